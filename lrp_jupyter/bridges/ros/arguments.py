@@ -77,8 +77,8 @@ def bridge_options(arguments: Sequence[str], known: Collection[str]) -> dict[str
 def _read(arguments: Sequence[str]) -> Iterator[_Given]:
     remaining, inside = iter(arguments), False
     for argument in remaining:
-        if argument == (_END if inside else _BEGIN):
-            inside = not inside
+        if argument in (_BEGIN, _END):
+            inside = argument == _BEGIN
         elif not inside:
             yield from _rule(argument, argument)
         elif what := _TAKERS.get(argument):

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 
 from lrp_jupyter.bridges.ros.address import domain_number, parse_address
+from lrp_jupyter.bridges.ros.client_libraries import lacks_library
 from lrp_jupyter.bridges.ros.link import Transport
 from lrp_jupyter.bridges.ros.rclpy import RclpyTransport
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
@@ -118,33 +119,47 @@ def choose_backend(
         return Choice(backend)
     if scheme := _SCHEMES.get((host or "").partition("://")[0]):
         return Choice(scheme, f"`{host}` is an address of its kind")
-    return (None if host or port else _choose_by_setting(domain)) or _choose_by_answer(host, port, domain)
+    complaints: list[str] = []  # about what is set and cannot be used
+    chosen = None if host or port else _choose_by_setting(domain, complaints)
+    return chosen or _choose_by_answer(host, port, domain, complaints)
 
 
 def backend_here(backend: str, host: str | None, port: int | str | None, domain: int | None) -> str:
     """Return the back end that is named or set, asking no robot; empty: it depends on who answers."""
     if backend != AUTO or host or port:
         return "" if backend == AUTO else backend
-    choice = _choose_by_setting(domain)
+    choice = _choose_by_setting(domain, [])
     return "" if choice is None else choice.backend
 
 
-def _choose_by_setting(domain: int | None) -> Choice | None:
+def _choose_by_setting(domain: int | None, complaints: list[str]) -> Choice | None:
     ros2 = os.environ.get("ROS_VERSION") == "2", "ROS 2 is set up in this environment"
     ros1 = bool(os.environ.get("ROS_MASTER_URI")), "`ROS_MASTER_URI` is set"
     dds = bool(os.environ.get("ROS_DOMAIN_ID")), "`ROS_DOMAIN_ID` is set"
     settings = [("rclpy", *ros2), ("rospy", *ros1), ("dds", *dds)]
     if domain is not None:
-        settings = [(backend, True, "a `domain` is named") for backend in ("rclpy", "dds")]
+        named = "a `domain` is named"
+        settings = [("rclpy", _is_installed("rclpy"), named), ("dds", True, named)]
     for backend, is_set, reason in settings:
-        if is_set and _is_installed(backend):
-            return Choice(backend, reason)
+        if is_set:
+            if not (lack := _lack(backend)):
+                return Choice(backend, "; ".join((reason, *complaints)))
+            complaints.append(f"{reason}, but {lack}")
     return None
 
 
-def _choose_by_answer(host: str | None, port: int | str | None, domain: int | None) -> Choice:
+def _lack(backend: str) -> str:
+    """Return what a back end lacks here, or an empty text."""
+    if backend == "dds":
+        return "" if _is_installed(backend) else 'DDS is not installed: `pip install "lrp-jupyter[ros2]"`.'
+    return lacks_library(backend)
+
+
+def _choose_by_answer(
+    host: str | None, port: int | str | None, domain: int | None, complaints: list[str]
+) -> Choice:
     failures: dict[str, str] = {}
-    missing = []
+    missing, kind = [], BridgeError
     for backend in BACKENDS:
         if (host or port) and backend not in _PORTS:
             continue
@@ -153,16 +168,17 @@ def _choose_by_answer(host: str | None, port: int | str | None, domain: int | No
             continue
         try:
             transport = make_transport(backend, host, port, lambda _complaint: None, domain)
+            failures[backend], kind = transport.silence(), NoAnswerError
         except BridgeError as error:  # half of its packages may be there
             failures[backend] = str(error)
             continue
-        failures[backend] = transport.silence()
         if not failures[backend]:
-            return Choice(backend, f"`{transport.place}` answers")
+            return Choice(backend, "; ".join((f"`{transport.place}` answers", *complaints)))
     parts = [f"{backend}: {why}" for backend, why in failures.items()]
     if missing:
         parts.append(f"Not asked, because Python cannot import them here: {', '.join(missing)}.")
-    raise NoAnswerError(f"No ROS robot answers. {' '.join(parts)}")
+    told = [complaint[0].upper() + complaint[1:] for complaint in complaints]
+    raise kind(f"No ROS robot answers. {' '.join((*told, *parts))}")
 
 
 def _is_installed(backend: str) -> bool:

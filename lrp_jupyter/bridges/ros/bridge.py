@@ -677,10 +677,13 @@ class RosBridge(Bridge):
     def _report(self, state: ConnectionState, sentence: str) -> None:
         """Apply a change of the connection; stop a robot that may not answer. On the link's thread."""
         if state is ConnectionState.CONNECTING:
-            long = "" if self._patience == math.inf else f", at most {self._patience:g} s"
-            sentence = f"Waiting for the robot{long}: {sentence}"
+            if self._patience == math.inf:
+                sentence = f"Waiting for the robot: {sentence}"
+            else:  # the rest follows then
+                first = sentence.partition(". ")[0]
+                sentence = f"Waiting for the robot, at most {self._patience:g} s: {ended(first)}"
         elif state is not ConnectionState.LOST:
-            sentence = f"{sentence} Back end: {self.connected_by}."
+            sentence = f"{sentence} Back end: {ended(self.connected_by)}"
         self.set_status(state, sentence)
         link = self.wiring.link
         if state is ConnectionState.STALE and link is not None and link.transport.trouble():

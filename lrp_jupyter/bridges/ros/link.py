@@ -25,7 +25,7 @@ from lrp_jupyter.bridges.ros.parameters import ParameterValues
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
 from lrp_jupyter.bridges.ros.types import RosMessage, Types
-from lrp_jupyter.errors import BridgeError, LRPError, did_you_mean, ended
+from lrp_jupyter.errors import BridgeError, LRPError, NoAnswerError, did_you_mean, ended
 
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
@@ -88,7 +88,7 @@ class Transport(ABC):
         """Return why no robot answers, a sentence, or an empty text if one does; nothing stays connected."""
         try:
             self.connect()
-        except BridgeError as error:
+        except NoAnswerError as error:
             return str(error)
         finally:
             self.disconnect()

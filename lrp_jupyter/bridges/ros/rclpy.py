@@ -18,6 +18,7 @@ from typing import Any
 from weakref import WeakSet
 
 from lrp_jupyter.bridges.latched_values import MOST
+from lrp_jupyter.bridges.ros.client_libraries import lacks_library
 from lrp_jupyter.bridges.ros.definitions import (
     Definition,
     FieldType,
@@ -267,11 +268,9 @@ def _names(infos: Iterable[Any]) -> tuple[str, ...]:
 def _import(module: str) -> Any:
     try:
         return importlib.import_module(module)
-    except ImportError as error:
-        raise BridgeError(
-            f"This Python cannot import {module} ({error}). Start it in a shell with ROS 2 set up"
-            " (`source /opt/ros/jazzy/setup.bash`), or use the back end `dds`, which needs no ROS here."
-        ) from error
+    except Exception as error:  # one for another Python raises whatever it happens to
+        lack = lacks_library("rclpy") or f"this Python cannot import {module} ({error})."
+        raise BridgeError(f"The back end `rclpy`: {lack}") from error
 
 
 def _fill(message: Any, values: Mapping[str, Any]) -> None:

@@ -25,6 +25,7 @@ from typing import Any
 from urllib.parse import urlsplit
 from weakref import WeakSet
 
+from lrp_jupyter.bridges.ros.client_libraries import lacks_library
 from lrp_jupyter.bridges.ros.definitions import (
     Definition,
     FieldType,
@@ -88,7 +89,7 @@ class RospyTransport(Transport):
         """Ask for the master only: a node of this process could not be made again."""
         try:
             self._master.ask("getPid")
-        except BridgeError as error:
+        except NoAnswerError as error:
             return str(error)
         return ""
 
@@ -252,12 +253,8 @@ class RospyTransport(Transport):
 def _rospy() -> Any:
     try:
         import rospy
-    except ImportError as error:
-        raise BridgeError(
-            f"This Python cannot import rospy ({error}). Install it (Debian: `apt install python3-rospy`), or"
-            " start Jupyter in a shell with ROS set up (`source /opt/ros/noetic/setup.bash`); or use the"
-            " back end `rosbridge`, which needs nothing of ROS here."
-        ) from error
+    except Exception as error:  # one for another Python raises whatever it happens to
+        raise BridgeError(f"The back end `rospy`: {lacks_library('rospy')}") from error
     return rospy
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import platform
+import re
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 from bridges.ros import rclpy_stand_in
 from support.waiting import until
 
-from lrp_jupyter.bridges.ros import RosBridge, backends
+from lrp_jupyter.bridges.ros import RosBridge, backends, client_libraries
 from lrp_jupyter.bridges.ros.backends import AUTO, Choice, choose_backend
 from lrp_jupyter.errors import BridgeError
 
@@ -80,6 +84,46 @@ def test_what_is_set_and_cannot_be_imported_is_not_taken(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lrp_jupyter.bridges.ros.backends._PORTS", {"rosbridge": server.port, "rospy": 1})
         assert choose_backend(AUTO).backend == "rosbridge"
+
+
+REMEDIES = {  # by what the system's Python says when it is asked for a library
+    "exit 1": {
+        "rospy": r"Install it \(Debian 12: `apt install python3-rospy`\), or use the back end `rosbridge`",
+        "rclpy": r"Start in a shell with ROS 2 set up .*\), or use the back end `dds`, or `rosbridge`",
+    },
+    "echo 3 8": {"rospy": r"It is for `.*`, which is Python 3\.8, .* needs 3\.11 or later: .* `rosbridge`"},
+    "echo 3 10": {"rclpy": r"It is for `.*`, which is Python 3\.10, .* needs 3\.11 or later: .* `dds`"},
+    "echo 3 12": dict.fromkeys(
+        ("rospy", "rclpy"), r"`.*/python3` has it: make the .*/python3 -m venv --system-site-packages`"
+    ),
+}
+
+
+@pytest.mark.parametrize(
+    ("says", "library", "remedy"),
+    [(says, library, remedy) for says, each in REMEDIES.items() for library, remedy in each.items()],
+)
+def test_a_library_of_another_python_is_named_with_what_to_use(
+    says: str, library: str, remedy: str, server: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    system = tmp_path / "python3"
+    system.write_text(f"#!/bin/sh\n{says}\n")
+    system.chmod(0o755)
+    client_libraries._version_with.cache_clear()
+    monkeypatch.setattr(client_libraries, "_SYSTEM", str(system))
+    monkeypatch.setitem(sys.modules, library, None)
+    here = (
+        rf"this Python \({sys.executable}, {platform.python_version()}\) has no {library} \(.*\)\. {remedy}"
+    )
+    with pytest.raises(BridgeError, match=here):
+        RosBridge(backend=library).open()
+    monkeypatch.setenv(
+        *{"rospy": ("ROS_MASTER_URI", "http://localhost:11311"), "rclpy": ("ROS_VERSION", "2")}[library]
+    )
+    monkeypatch.setattr(backends, "_PORTS", {"rosbridge": server.port, "rospy": 1})
+    was_set = {"rospy": "`ROS_MASTER_URI` is set", "rclpy": "ROS 2 is set up in this environment"}[library]
+    assert re.search(f"^rosbridge, because `.*` answers; {was_set}, but {here}", str(choose_backend(AUTO)))
+    client_libraries._version_with.cache_clear()
 
 
 def test_what_answers_is_taken_and_told(server: Any) -> None:

@@ -92,7 +92,7 @@ KNOWN = ("node", "namespace", "host", "remap", "setup", "sim_time")
             {"namespace": "/robot1", "host": "http://robot:11311"},
         ),
         (  # launch_ros
-            "--ros-args --log-level debug -r __node:=behaviour -r __ns:=/robot1 -r a:=b -r c:=~/d"
+            "--ros-args --log-level debug --ros-args -r __node:=behaviour -r __ns:=/robot1 -r a:=b -r c:=~/d"
             " -p use_sim_time:=true",
             {"node": "behaviour", "namespace": "/robot1", "sim_time": "true", "remap": "a:=b c:=~/d"},
         ),

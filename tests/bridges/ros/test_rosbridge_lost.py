@@ -120,16 +120,10 @@ def test_opening_fails_where_no_rosbridge_server_is_and_says_how_to_start_one(
         make(port=stranger(b""), patience=2).open()
 
 
-@pytest.mark.parametrize(
-    ("backend", "module", "advice"),
-    [("rosbridge", "websockets.asyncio.client", r"pip install"), ("rospy", "rospy", r"python3-rospy")],
-)
-def test_a_back_end_that_is_not_installed_names_what_to_install(
-    backend: str, module: str, advice: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(BridgeError, match=advice):
-        RosBridge(backend=backend, host="127.0.0.1").open()
+def test_a_back_end_that_is_not_installed_names_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "websockets.asyncio.client", None)
+    with pytest.raises(BridgeError, match="pip install"):
+        RosBridge(backend="rosbridge", host="127.0.0.1").open()
 
 
 def test_neither_back_end_is_imported_before_the_bridge_is_opened() -> None:
