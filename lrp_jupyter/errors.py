@@ -244,8 +244,8 @@ def did_you_mean(name: str, names: Iterable[str], likeness: float = 0.55) -> str
 
 
 def most_similar(name: str, names: Iterable[str], likeness: float = 0.55) -> tuple[str, ...]:
-    """Return the name that is most similar, if there is one; `likeness` as for :func:`did_you_mean`."""
-    known = list(names)
+    """Return another name that is most similar, if there is one; `likeness` as for :func:`did_you_mean`."""
+    known = [each for each in names if each != name]
     same = [each for each in known if each.casefold() == name.casefold()]
     return tuple(same[:1] or get_close_matches(name, known, n=1, cutoff=likeness))
 

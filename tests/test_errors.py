@@ -65,6 +65,8 @@ def test_the_message_of_a_syntax_error_lists_its_findings():
         ("bmup", ["bump"], " Did you mean `bump`?"),
         ("GO", ["to", "go"], " Did you mean `go`?"),
         ("move", ["name", "beep"], ""),
+        ("bump", ["bump"], ""),
+        ("light", ["light", "lights"], " Did you mean `lights`?"),
         ("world", ["rate", "on_issue"], ""),
     ],
 )

@@ -455,6 +455,9 @@ class Interface:
             return f"{UNGUARDED.removesuffix('.')}. The robot is not guarded: {trouble}"
         return self.guarded_by if guarded else UNGUARDED
 
+    about_options: ClassVar[str] = ""
+    """What ``lrp bridges NAME`` prints below the options."""
+
     guarded_by: ClassVar[str] = (
         "If this program dies or hangs, a guard process stops the robot. If this computer sleeps or is cut"
         " off, nothing does, unless the robot stops by itself."
@@ -609,7 +612,7 @@ class Interface:
                 return None
             raise BridgeError(f"`robot.{method.path}` was not sent: {safety.why}")
         if hindrance == "held":
-            why = safety.suspended or "the robot was stopped in this tick."
+            why = safety.suspended or safety.blind or "the robot was stopped in this tick."
             safety.notice("held", f"`{method.path}` was not sent: {why[0].lower()}{why[1:]}")
         if hindrance == "disarmed":
             safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")

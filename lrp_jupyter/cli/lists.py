@@ -110,6 +110,8 @@ def list_options(name: str) -> None:
         default = "must be given" if each.is_needed else "" if each.default is None else str(each.default)
         table.add_row(Text(each.name, "bold"), Text(each.words), Text(default), Text(each.doc))
     show_table(table)
+    if bridge.about_options:
+        sys.stdout.write(f"\n{bridge.about_options}\n")
     sys.stdout.write(f"\nGive one with `lrp run FILE --bridge {name} --option NAME=VALUE`.\n")
 
 

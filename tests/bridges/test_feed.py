@@ -311,6 +311,8 @@ def test_what_was_not_sent_because_of_old_data_is_not_sent_in_a_replay(tmp_path)
             session.run(0.5)
             why = session.why("robot.move")
             assert "It was not sent: `robot.light.data` is stale: its value is 2.0 s old." in str(why)
+            held = next(each.text for each in buggy.safety.notices if each.kind == "held")
+            assert held == "`move` was not sent: `robot.light.data` is stale: its value is 2.0 s old."
             buggy.feed("light.data", 9)
             session.run(0.5)
         sent = [(command.name, command.sent) for command in buggy.safety.commands]
@@ -318,6 +320,18 @@ def test_what_was_not_sent_because_of_old_data_is_not_sent_in_a_replay(tmp_path)
     again = reproduce(read_recording(path))
     assert again.difference is None
     assert [(each.name, each.sent) for each in again.session.bridge.safety.commands] == sent
+
+
+def test_why_a_robot_stands_that_was_set_in_motion_before_names_the_reading() -> None:
+    buggy = Buggy()
+    with Session(DRIVER.replace("running", "onentry"), buggy, clock=VirtualClock()) as session:
+        buggy.arm()
+        buggy.feed("light.data", 7)
+        session.run(0.3)
+        buggy.time += 2
+        session.run(0.2)
+        why = "The robot was stopped at 0.3 s: `robot.light.data` is stale: its value is 2.0 s old."
+        assert why in str(session.why("robot.move"))
 
 
 def test_a_tick_whose_sensing_fails_sees_one_world_too(monkeypatch: pytest.MonkeyPatch) -> None:

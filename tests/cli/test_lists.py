@@ -4,6 +4,7 @@ from importlib.metadata import version
 import pytest
 
 from lrp_jupyter import programs
+from lrp_jupyter.bridges.ros.setup import setup_from_dict
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.sim.worlds import BUNDLED, load
@@ -71,6 +72,14 @@ def test_the_options_of_a_bridge_are_listed_with_their_types(lrp):
     )
     assert "--option NAME=VALUE" in text
     assert "takes no options" in lrp("bridges", "none").stdout
+
+
+def test_the_options_of_ros_say_what_a_setup_is(lrp):
+    text = lrp("bridges", "ros").stdout
+    for key in ("subscriptions", "publishers", "actions", "services", "stop", "tick", "stale_after"):
+        assert f'"{key}"' in text
+    setup = json.loads("{" + text.partition("{")[2].rpartition("}")[0] + "}")
+    assert {wire.variable for wire in setup_from_dict(setup)} >= {"odom", "move", "drive_to", "spawn"}
 
 
 def test_the_options_of_a_bridge_that_does_not_exist_are_a_sentence(lrp):

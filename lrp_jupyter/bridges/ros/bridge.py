@@ -64,6 +64,7 @@ from lrp_jupyter.bridges.ros.panel import (
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.rosout import LogOutlet
 from lrp_jupyter.bridges.ros.setup import (
+    DESCRIPTION,
     KINDS,
     MEASURED,
     TASKS,
@@ -108,8 +109,8 @@ class RosBridge(Bridge):
     port : int, optional
         Default: 9090 for rosbridge (443 with ``wss://``), 11311 for rospy.
     setup : path or mapping, optional
-        The connections; see `lrp_jupyter.bridges.ros.setup`. Later
-        changes are written to a file.
+        The connections, or a file with them, which ``lrp bridges ros`` describes. Later changes are written
+        to the file.
     patience : float or "inf"
         Seconds for which opening waits for a master, a server or a robot that does not answer yet.
     node : str, optional
@@ -139,6 +140,7 @@ class RosBridge(Bridge):
     """
 
     name = "ros"
+    about_options = DESCRIPTION
     stops_when_found = True  # each velocity topic, as soon as it is connected again
 
     def __init__(

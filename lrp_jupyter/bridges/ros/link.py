@@ -98,6 +98,11 @@ class Transport(ABC):
         """Return a sentence if the robot does not answer, else an empty text, the default; does not block."""
         return ""
 
+    @property
+    def tells_topics(self) -> bool:
+        """Whether the robot says which topics there are. Default: True."""
+        return True
+
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
         """Return the live topics with their types, maybe as they were a moment ago."""
@@ -464,6 +469,10 @@ class TopicLink(Link):
                 if kind == wanted:
                     return f"the robot does not tell the type of the {kind} `{name}`. Name it"
                 return f"`{name}` is {article(kind)} {kind}. Connect it as one"
+        if not self.transport.tells_topics:
+            return (
+                f"`{self.transport.place}` does not tell which {wanted}s there are. Name the type of `{name}`"
+            )
         hint = did_you_mean(name, self.live[wanted])
         return f"`{name}` does not exist yet, and its type is not known.{hint}"
 

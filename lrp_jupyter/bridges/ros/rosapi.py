@@ -34,7 +34,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 from lrp_jupyter.bridges.ros.link import SIM_TIME, RefusedError
 from lrp_jupyter.bridges.ros.parameters import ParameterValues, missing_node, missing_parameter, value_in
 from lrp_jupyter.bridges.ros.websocket import Bell, Socket
-from lrp_jupyter.errors import BridgeError, did_you_mean
+from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
 _FIRST = 2.0  # seconds that connecting waits for the first list
 _ANSWER = 5.0  # seconds for an answer, …
@@ -120,6 +120,11 @@ class Rosapi:
         self._answered.wait(_FIRST)
         self._answered.set()
         return self._topics
+
+    @property
+    def exists(self) -> bool:
+        """Whether there is one, or may be."""
+        return self._exists is not False
 
     def has_listed(self, direction: str) -> bool:
         """Whether the live actions (of ROS 2) or services are known."""
@@ -296,7 +301,11 @@ class Rosapi:
             values = await self._ask("/rosapi/topics")
         except RefusedError as error:
             if "master" in str(error).lower():  # whether or not rosapi is there, ROS is not
-                self.trouble = f"`{self._url}` answers, but its ROS master does not: {error}"
+                self.trouble = (
+                    f"`{self._url}` answers, but its ROS master does not: {ended(str(error))} The robot is"
+                    " stopped and gets no commands; other nodes that are connected go on. A new master knows"
+                    " no node that was there before: start rosbridge and those of the robot again."
+                )
                 return False
             self.trouble = ""
             self._miss(

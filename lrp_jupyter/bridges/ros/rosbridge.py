@@ -130,6 +130,11 @@ class RosbridgeTransport(Transport):
         """Return what rosapi says of ROS 1; None while it is being asked. In ROS 2, each node has its own."""
         return self._rosapi.has_sim_time
 
+    @property
+    def tells_topics(self) -> bool:
+        """Whether there is a rosapi."""
+        return self._rosapi.exists
+
     def _spelled(self, type_: str) -> str:
         """Return the name of a type in the notation of this ROS."""
         return type_.replace("/", "/msg/", 1) if self._rosapi.is_ros2 else type_

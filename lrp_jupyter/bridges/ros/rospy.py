@@ -49,6 +49,9 @@ _MEET = 0.5  # seconds for subscribers to connect to a new publisher
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
 _ANNOUNCED = 100  # … where each of them counts
 
+_NEW = "A new master knows no node that was there before: start those of the robot again."
+_GONE = f"The robot is stopped and gets no commands; other nodes that are connected go on. {_NEW}"
+
 _node_lock = threading.Lock()
 _node_master = ""  # the master that this process's node belongs to
 _node_end = ""  # why the node has ended, a sentence
@@ -100,8 +103,12 @@ class RospyTransport(Transport):
     def topics(self) -> Mapping[str, str]:
         """Ask the master, for topics with subscribers only too; BridgeError: it was restarted."""
         _check_node()
-        if int(self._master.ask("getPid")) != self._pid:
-            raise BridgeError(f"The ROS master at `{self.place}` was restarted.")
+        try:
+            pid = int(self._master.ask("getPid"))
+        except BridgeError as error:
+            raise BridgeError(f"{error} {_GONE}") from None
+        if pid != self._pid:
+            raise BridgeError(f"The ROS master at `{self.place}` was restarted. {_NEW}")
         pairs = self._master.ask("getTopicTypes")
         self._topics = {str(topic): canonical(str(type_)) for topic, type_ in pairs if type_ != "*"}
         self._system = self._master.ask("getSystemState")

@@ -18,8 +18,9 @@
 A type that is left out is taken from what is live, and a ``stale_after`` from the pace of the messages; null
 is never. ``"velocity": true`` says of a publisher that a message of zeros stops the robot, where its type
 does not tell. ``stop`` names what else is sent at a stop, and ``tick`` what is sent in every tick while the
-robot is armed: a message, by its fields, through a publisher. What can be checked without a robot is checked
-here, and the rest later.
+robot is armed: a message, by its fields, through a publisher.
+
+What can be checked without a robot is checked here, and the rest later.
 
 Paper: §7.1 (figures 4 and 5: variable, topic, type).
 """
@@ -41,6 +42,9 @@ from lrp_jupyter.bridges.ros.names import is_name
 from lrp_jupyter.bridges.ros.transforms import TF_TOPICS, TRANSFORMS
 from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
+
+DESCRIPTION = (__doc__ or "").partition("\n\nWhat can be checked")[0].replace("``", "`").replace("::\n\n", "")
+"""What a set-up is, for a person."""
 
 Direction = Literal["subscription", "publisher", "action", "service", "parameter"]
 TASKS: tuple[Direction, ...] = ("action", "service")

@@ -133,10 +133,11 @@ def _fate(run: RecordedRun, last: CommandRecord, given: int, tick: int, now: boo
     if not last.sent:
         why = _why_held(run, given) or "the robot was disarmed, or had been stopped in that tick."
         return "stopped", f"It was not sent: {why}"
-    notices = [each for each in safety.notices if each.kind == "command watchdog"]
+    notices = [each for each in safety.notices if each.kind in ("command watchdog", "stale")]
     notices = [each for each in notices if last.now < each.now <= run.loop.timing.now]
     if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):
-        return "watchdog", f"The robot was stopped at {time_text(notices[-1].now)}: {notices[-1].text}"
+        code: CommandCode = "stopped" if notices[-1].kind == "stale" else "watchdog"
+        return code, f"The robot was stopped at {time_text(notices[-1].now)}: {notices[-1].text}"
     for when, fact in run.backward(tick):
         if when <= given:
             break

@@ -63,6 +63,8 @@ def test_without_rosapi_it_is_not_known_who_hears_a_velocity(
     ros.publish("move", "/cmd_vel", TWIST)
     until(lambda: ros.status.state is ConnectionState.CONNECTED)
     assert "subscribes" not in ros.failsafe
+    ros.subscribe("odom", "/odom")
+    assert "does not tell which topics there are. Name the type of `/odom`." in ros.status.sentence
 
 
 @pytest.mark.ros
