@@ -45,6 +45,7 @@ from lrp_jupyter.errors import BridgeError, NoAnswerError
 _ANSWER = 2.0  # seconds for the master to answer
 _PROMPT = 0.5  # … and for a node, …
 _VALID = 2.0  # … which is asked again after so many
+_WRITTEN = 0.2  # seconds that the last messages of a publisher may take to be written
 _MEET = 0.5  # seconds for subscribers to connect to a new publisher
 _QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
 _ANNOUNCED = 100  # … where each of them counts
@@ -238,8 +239,13 @@ class RospyTransport(Transport):
         return any(name == service for name, _nodes in self._master.ask("getSystemState")[2])
 
     def leave(self, handle: object) -> None:
-        """Unregister."""
+        """Unregister, when what was published has been written."""
         self._every.pop(handle, None)
+        end, impl = time.monotonic() + _WRITTEN, getattr(handle, "impl", None)
+        while any(getattr(each, "_queue", ()) for each in getattr(impl, "connections", ())):
+            if time.monotonic() > end:
+                break
+            time.sleep(0.005)
         unregister: Callable[[], None] = handle.unregister  # type: ignore[attr-defined]
         unregister()
 
