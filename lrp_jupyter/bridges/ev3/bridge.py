@@ -24,6 +24,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from textwrap import wrap
+from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.ev3 import protocol
@@ -37,6 +38,7 @@ from lrp_jupyter.bridges.ev3.vehicle import PORTS, WHEELS, Vehicle
 from lrp_jupyter.bridges.ev3.wheel_driver import WheelDriver
 from lrp_jupyter.bridges.message import Message, Twist, real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table, number_in
+from lrp_jupyter.bridges.scans import RayScan
 from lrp_jupyter.bridges.tasks import Task
 from lrp_jupyter.bridges.wheel_tasks import add_errands
 from lrp_jupyter.errors import BridgeError, NoDataYet
@@ -195,6 +197,8 @@ class EV3Bridge(Bridge):
             add(f"{sensor.name}.type", sensor.type, "what is plugged in", type=str)
         for name, getter, doc, unit, kind in self._readings():
             add(name, getter, doc, unit, type=kind, stale_after=_STALE_AFTER)
+        doc = "what the distance sensor sees; `scan.nearest(-30, 30)`: straight ahead, in m"
+        add("scan", self._scan, doc, type=RayScan, stale_after=_STALE_AFTER)
         self._add_driving()
         add("battery", lambda: self.seen().battery, "what is left in it", "%", type=int)
         add("name", lambda: self.link.name or None, "the brick's name", type=str)
@@ -267,6 +271,10 @@ class EV3Bridge(Bridge):
 
     def _sense(self, name: str) -> object:
         return self.vehicle.sense(name, self.seen(), tuple(self.link.modes))
+
+    def _scan(self) -> RayScan:
+        distance: Any = self._sense("distance")
+        return RayScan((0.0,), (distance,))
 
     def _odom(self, axis: int) -> float:
         self.seen()

@@ -196,6 +196,7 @@ def test_the_brick_is_named_as_what_stops_the_motors_of_a_dead_process(bridge):
 def test_sensors_are_read_as_those_of_the_simulated_robot(bridge):
     robot = bridge.robot
     assert (robot.light.data, robot.bumper.data, robot.distance.data) == (107, False, 0.255)
+    assert robot.scan.nearest(-30, 30) == 0.255
 
 
 def test_sensors_in_other_ports_are_found_by_the_options(brick, make_bridge):

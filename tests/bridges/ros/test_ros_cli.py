@@ -245,7 +245,7 @@ def test_what_a_launch_file_appends_counts_and_is_for_this_bridge_only(
         "__ns:=/robot1",
     )
     assert lrp("run", drive(), *arguments, *launched).exit_code == 0
-    assert {topic for topic, _values in graph.heard} == {"/robot1/base"}
+    assert {topic for topic, _values in graph.heard} == {"/robot1/base", "/rosout"}
     for name, sentence in (
         ("__name:=x", "is for a node of ROS, and the bridge is `sim`"),
         ("x", "unexpected"),

@@ -182,4 +182,4 @@ def test_a_parameter_has_no_type() -> None:
     with pytest.raises(BridgeError, match="A parameter has no type of messages"):
         ros.press("parameter", values={"variable": "speed", "topic": "/speed", "type": "std_msgs/Bool"})
     ros.press("parameter", values={"variable": "speed", "topic": "speed"})
-    assert ros.setup["parameters"] == {"speed": {"parameter": "/speed"}}
+    assert ros.setup["parameters"] == {"speed": {"parameter": "speed"}}

@@ -27,6 +27,7 @@ from cyclonedds.util import duration
 
 from lrp_jupyter.bridges.ros.dds_node import DdsNode
 from lrp_jupyter.bridges.ros.dds_types import MessageTypes
+from lrp_jupyter.bridges.ros.names import GraphNames
 
 RELIABLE = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(100))
 TEXT = """(machine m
@@ -49,7 +50,7 @@ class WireClock(IdlStruct, typename="rosgraph_msgs.msg.dds_.Clock_"):
 @pytest.fixture
 def world(domain: int) -> Iterator[DomainParticipant]:
     """Another node of the domain."""
-    node = DdsNode(domain, "world", "", MessageTypes(), lambda: None)
+    node = DdsNode(domain, GraphNames("world"), "", MessageTypes(), lambda: None)
     yield node.participant
     node.close()
 
