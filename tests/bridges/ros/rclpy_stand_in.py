@@ -18,7 +18,7 @@ from typing import Any
 import numpy
 import pytest
 
-from lrp_jupyter.bridges.ros.definitions import FLOATS, INTEGERS, KNOWN, Definition, FieldType
+from lrp_jupyter.bridges.ros.definitions import CLOCK, FLOATS, INTEGERS, KNOWN, Definition, FieldType
 
 SPELLED = {"float64": "double", "float32": "float", "bool": "boolean"}
 CODES = {"float64": "d", "float32": "f", "uint8": "B", "int32": "i"}
@@ -53,6 +53,7 @@ LOG_FIELDS = {
 }
 LOG = Definition("rcl_interfaces/Log", LOG_FIELDS)
 TYPES = {**KNOWN, STAMP.type: STAMP, HEADER.type: HEADER, LOG.type: LOG}
+TYPES |= {CLOCK: Definition(CLOCK, {"clock": FieldType(STAMP.type)})}
 TYPES |= {name: Definition(name, fields) for name, fields in PARTS.items()}
 
 

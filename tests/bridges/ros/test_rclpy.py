@@ -168,6 +168,21 @@ def test_a_stamped_command_has_the_time_of_the_node(ros: RosBridge, graph: Any) 
     assert sent.twist.linear.x == 0.2
 
 
+def test_in_a_simulation_it_has_the_time_of_that(graph: Any) -> None:
+    ros = RosBridge(backend="rclpy", sim_time=True)
+    ros.open()
+    ros.arm()
+    ros.publish("move", "/cmd_vel", "geometry_msgs/TwistStamped")
+    message = stand_in.message_class("rosgraph_msgs/Clock")()
+    message.clock.sec, message.clock.nanosec = 7, 500_000_000
+    graph.deliver("/clock", message)
+    until(lambda: ros.world_time() == 7.5)
+    ros.robot.move(linear=0.2)
+    stamps = [(sent.header.stamp.sec, sent.header.stamp.nanosec) for _topic, sent in graph.published]
+    ros.close()
+    assert stamps[0] == (7, 500_000_000)
+
+
 def test_a_topic_of_another_type_is_refused(ros: RosBridge) -> None:
     with pytest.raises(BridgeError, match="carries `nav_msgs/Odometry`, not `std_msgs/UInt8`"):
         ros.subscribe("odom", "/odom", "std_msgs/UInt8")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from itertools import pairwise
+from itertools import count, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -42,10 +43,10 @@ class World:
     def go(self, session: Session, *times: float) -> None:
         """Show one time after the other, each when the session has ticked at the one before."""
         for seconds in times:
-            count = session.frame.tick + 1
+            number = session.frame.tick + 1
             self.show(seconds)
-            until(lambda count=count: session.frame.tick >= count)
-            assert session.frame.tick == count
+            until(lambda number=number: session.frame.tick >= number)
+            assert session.frame.tick == number
 
 
 @pytest.fixture
@@ -92,18 +93,18 @@ class TestRos1:
             assert session.frame.is_active("early")
             world.go(session, 102.0)
             assert (session.frame.time, session.frame.is_active("late")) == (2.0, True)
-            until(lambda: "The time is that of `/clock`" in ros.status.sentence)
+            later = count(1021)
+            until(
+                lambda: world.show(next(later) / 10) or "The time is that of `/clock`" in ros.status.sentence
+            )
 
     def test_a_task_of_asyncio_goes_by_it_too(self, world: World, connect: Connect) -> None:
-        import asyncio
-
         async def run() -> None:
             with Session(AFTER_TWO, connect(), driver="asyncio") as session:
                 session.start()
                 for tenth in range(1000, 1021):
                     world.show(tenth / 10)
-                    while session.frame.tick <= tenth - 1000:
-                        await asyncio.sleep(0.001)
+                    await asyncio.to_thread(until, lambda n=tenth - 1000: session.frame.tick > n)
                 assert (session.frame.tick, session.frame.time) == (21, 2.0)
                 assert session.frame.is_active("late")
 
