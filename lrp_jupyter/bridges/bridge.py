@@ -506,6 +506,7 @@ class Bridge(Interface, ABC):
     def check_watchdog(self, now: float) -> Notice | None:
         """Stop the robot if there are no more ticks; for the monitor's thread, while running.
 
+        `now` is what the time should be by now, whether or not a clock of the robot's world says so.
         A bridge with a world of its own needs none: without ticks that world stands still.
         """
         sentence = self.safety.tick_overdue(now) if self.time_step is None else None
