@@ -551,7 +551,9 @@ class RosBridge(Bridge):
         link = self.wiring.link
         if link is not None and link.connected:
             link.transport.pace = self._pace.seconds
+        moves = bool(self.safety.motion or self.requested.moving())
         for channel in self.wiring.channels:
+            channel.motion.note(moves, channel.clock.now())
             channel.arrivals.latch()
             if channel.tree is not None:
                 channel.tree.latch()

@@ -16,7 +16,7 @@ from lrp_jupyter.bridges.latched_values import Arrival, Arrivals
 from lrp_jupyter.bridges.member_tree import AgeLimit
 from lrp_jupyter.bridges.ros.clock import RobotClock, Stamps
 from lrp_jupyter.bridges.ros.parameters import as_reading
-from lrp_jupyter.bridges.ros.rhythm import Rhythm
+from lrp_jupyter.bridges.ros.rhythm import Motion, Rhythm
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import MEASURED, Wire
 from lrp_jupyter.bridges.ros.transforms import TRANSFORMS, TransformTree
@@ -63,6 +63,7 @@ class Channel:
         self.answered = threading.Event()
         self.last_sent: RosMessage | None = None
         self.rhythm = Rhythm()  # of what arrives or is sent
+        self.motion = Motion()  # of the robot
         self._under_way = 0.0  # s, for which the last message was
         self._told = ""  # the last value of a parameter, as text
         self.take_type(wire.type)
@@ -190,7 +191,7 @@ class Channel:
         self.is_unclear = self.is_unclear or form.unclear.count > unclear
         made = self.stamps.made_at(raw, arrived)
         self._under_way = arrived - made
-        self.rhythm.note(arrived)
+        self.rhythm.note(arrived, has_reason=self.motion.excused(self.rhythm.last) > 0)
         self.arrivals.put(value, made, is_news=at is None)
 
     def take(self, value: Any) -> None:
@@ -233,7 +234,7 @@ class Channel:
             return AgeLimit(None)
         pace = f"one came every {period:.2g} s" if period is not None else "they came steadily"
         how = f"Before, {pace}, with pauses of at most {rhythm.longest:.2g} s. {_SWITCHED_OFF}"
-        return AgeLimit(patience + self._under_way, how)
+        return AgeLimit(patience + self._under_way + self.motion.excused(rhythm.last), how)
 
     def rate(self) -> float:
         """Return the recent messages per second; 0 when they have ceased."""

@@ -6,6 +6,7 @@ Paper: §7.1, figure 4 (the publishers and subscriptions, and the buttons to cre
 
 from __future__ import annotations
 
+import math
 import re
 import reprlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -172,7 +173,7 @@ def _limit(channel: Channel) -> str:
     if channel.wire.direction != "subscription":
         return ""
     limit, is_measured = channel.age_limit().seconds, channel.wire.stale_after == MEASURED
-    if limit is None:
+    if limit is None or limit == math.inf:
         return "" if is_measured else _NEVER
     return f"{limit:.1f} (measured)" if is_measured else f"{limit:g}"
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterable
 from itertools import accumulate
@@ -16,7 +18,7 @@ from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
-from lrp_jupyter.bridges.ros.rhythm import Rhythm
+from lrp_jupyter.bridges.ros.rhythm import Motion, Rhythm
 from lrp_jupyter.live.session import Session
 
 DRIVES = """\
@@ -83,6 +85,30 @@ def test_a_pause_before_the_first_rhythm_or_of_a_robot_that_was_lost_is_none_of_
     assert rhythm.patience == pytest.approx(1.2)
 
 
+def test_what_ceases_as_the_robot_stops_is_missed_from_when_it_moves_again() -> None:
+    motion = Motion()
+    assert motion.excused(None) == motion.excused(5.0) == 0, "it has never moved"
+    motion.note(True, 10.0)
+    assert motion.excused(12.0) == 0
+    motion.note(False, 20.0)
+    assert motion.excused(20.4) == math.inf, "it coasts"
+    assert motion.excused(25.0) == motion.excused(18.0) == 0, "it has ceased for another reason"
+    motion.note(True, 60.0)
+    assert motion.excused(20.4) == pytest.approx(39.6)
+    assert motion.excused(60.1) == 0
+    motion.note(False, 62.0)  # nothing came, and the robot was stopped because of that
+    assert motion.excused(20.4) == 0
+
+
+def test_a_silence_that_has_a_reason_is_no_pause() -> None:
+    rhythm = heard([0.1] * 100)
+    rhythm.note((rhythm.last or 0.0) + 60, has_reason=True)
+    heard([0.1] * 3, rhythm, (rhythm.last or 0.0) + 0.1)
+    assert rhythm.patience == pytest.approx(1.2)
+    heard([0.1] * 3, rhythm, 5.0)  # another clock
+    assert rhythm.patience == pytest.approx(1.2)
+
+
 # -- a real ROS 1 ---------------------------------------------------------------------------------
 
 
@@ -128,3 +154,63 @@ def test_a_robot_stands_when_its_scanner_dies_and_drives_when_that_is_back(
         real.end(scanner)
         until(lambda: (ros.describe("scan").age or 0) > 1.5 * first)
         assert ros.safety.stops == stops, "it is never too old"
+
+
+BASE = """\
+import rospy, sys
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Float64
+rospy.init_node("base", disable_rosout=True)
+speed = [0.0]
+def drive(twist):
+    if twist.linear.x != speed[0]:
+        speed[0] = twist.linear.x
+        print(speed[0], flush=True)
+travelled = rospy.Publisher("/travelled", Float64, queue_size=1)
+rospy.Subscriber("/cmd_vel", Twist, drive)
+print("ready", flush=True)
+rate = rospy.Rate(20)
+while not rospy.is_shutdown():
+    if speed[0]:
+        travelled.publish(speed[0])
+    rate.sleep()
+"""
+DRIVEN = """\
+(machine m
+  (state s (running [robot.move(linear={})] [robot.travelled.age]))
+  (state far)
+  (on [robot.travelled.data > 9] s -> far))
+(spawn m s)
+"""
+
+
+@pytest.mark.ros
+def test_an_odometry_that_rests_with_its_robot_holds_up_no_start_and_is_missed_on_the_way(
+    real: Any, connect: Callable[..., RosBridge]
+) -> None:
+    base = real.start(sys.executable, "-c", BASE, ready=True)
+    speeds: list[str] = real.lines(base)
+    ros = connect(setup={"subscriptions": {"travelled": {"topic": "/travelled", "type": "std_msgs/Float64"}}})
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+
+    def stale() -> list[str]:
+        return [notice.text for notice in ros.safety.notices if notice.kind == "stale"]
+
+    def limit() -> float:
+        return ros.wiring.channels[0].age_limit().seconds or 0.0
+
+    with Session(DRIVEN.format(0.2), bridge=ros, rate=20) as session:
+        session.start()
+        first = until(lambda: limit() if limit() < math.inf else 0)
+        session.edit(DRIVEN.format(0.0))
+        until(lambda: speeds[-1:] == ["0.0"])
+        until(lambda: (ros.describe("travelled").age or 0) > 2 * first)
+        assert stale() == []
+        session.edit(DRIVEN.format(0.3))
+        until(lambda: speeds[-1:] == ["0.3"] and (ros.describe("travelled").age or 9) < first)
+        assert stale() == []
+        until(lambda: limit() < 2 * first, "the rest was a pause")
+        os.killpg(base.pid, signal.SIGSTOP)
+        until(stale)
+        os.killpg(base.pid, signal.SIGCONT)
+        until(lambda: speeds[-1:] == ["0.0"])
