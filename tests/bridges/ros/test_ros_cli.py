@@ -197,6 +197,22 @@ def test_a_robot_that_never_answered_or_of_which_nothing_ever_worked_is_an_exit_
     )
 
 
+@pytest.mark.slow
+def test_a_run_says_in_a_line_that_no_node_hears_its_velocity(
+    server: Any, graph: Any, bare_lrp: Start, drive: Callable[..., Path]
+) -> None:
+    graph.others.clear()
+    graph.others |= {"/base/cmd_vel"}
+    graph.types["/base/cmd_vel"] = "geometry_msgs/Twist"
+    run = bare_lrp("run", drive(), *on(server.port, "--option", f"setup={SETUP}"), missing=ROS)
+    assert run.stdout is not None
+    line = next(line for line in run.stdout if "subscribes to `/cmd_vel`. Did you" in line)
+    assert "`robot.move`: no other node" in line
+    assert "mean `/base/cmd_vel`, to which `/robot` subscribes?" in line
+    run.send_signal(signal.SIGINT)
+    assert run.wait(180) == 130
+
+
 def test_a_reading_of_the_robot_ends_the_run(server: Any, graph: Any, drive: Callable[..., Path]) -> None:
     publish = graph.publish
 

@@ -266,6 +266,7 @@ def test_a_lost_robot_stops_and_is_found_again(
         until(lambda: ros.status.state is ConnectionState.LOST)
         until(lambda: "master" in refusal(ros, "text"))
         until(lambda: "A new master knows no" in ros.status.sentence)
+        until(lambda: velocities()[-1:] == [(0.0, 0.0)])  # what is connected still hears it
         until(lambda: any("was not sent" in issue.message for issue in session.issues))
         first = session.frame.tick
         until(lambda: session.frame.tick >= first + 50)
