@@ -196,11 +196,15 @@ class Bridge(Interface, ABC):
         It must not connect: the checks call it for a bridge that is never opened. Default: none.
         """
 
-    @property
-    def is_set_up(self) -> bool:
-        """Whether `add_members` adds all members that there will be, unless a person adds others.
+    def check_set_up(self) -> bool:
+        """Return whether `add_members` adds all members that there will be, unless a person adds others.
 
         Then the command line checks a program against them. Default: where it adds all in any case.
+
+        Raises
+        ------
+        BridgeError
+            The options are wrong, as far as that is known without a connection.
         """
         return self.complete
 

@@ -49,7 +49,7 @@ from lrp_jupyter.bridges.ros.backends import (
 )
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.clock import ProgramPace, RobotClock
-from lrp_jupyter.bridges.ros.link import GUARD_NODE, SIM_TIME, TopicLink, Transport
+from lrp_jupyter.bridges.ros.link import GUARD_NODE, SIM_TIME, TopicLink, Transport, check_sent
 from lrp_jupyter.bridges.ros.names import GraphNames
 from lrp_jupyter.bridges.ros.outlets import StateOutlet
 from lrp_jupyter.bridges.ros.panel import (
@@ -341,15 +341,25 @@ class RosBridge(Bridge):
         except BridgeError as error:
             raise BridgeError(f"`state_topic`: {error}") from None
 
-    @property
-    def is_set_up(self) -> bool:
-        """Whether there is a set-up: a person may add connections to it."""
-        return bool(self.wiring.channels)
+    def _types_here(self) -> TypesHere:
+        backend = backend_here(self.backend, self._host, self._port, self._domain)
+        return TypesHere(backend, self._messages)
+
+    def check_set_up(self) -> bool:
+        """Return whether there is a set-up; BridgeError: it limits or sends a field that does not exist."""
+        here, channels = self._types_here(), self.wiring.channels
+        for channel in channels:
+            here.describe(channel)
+            try:
+                check_sent(channel)
+            except BridgeError as error:
+                place = f"`{channel.wire.direction}s.{channel.wire.variable}`"
+                raise BridgeError(f"{self.wiring.path or 'The set-up'}, {place}: {error}") from None
+        return bool(channels)
 
     def add_members(self) -> None:
         """Add what the set-up names, with the fields of the types that are known on this computer."""
-        backend = backend_here(self.backend, self._host, self._port, self._domain)
-        here = TypesHere(backend, self._messages)
+        here = self._types_here()
         for channel in self.wiring.channels:
             here.describe(channel)
             self._offer(channel)

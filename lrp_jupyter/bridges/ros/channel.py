@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -45,6 +45,7 @@ class Channel:
         self.form: Form | None = None  # decodes messages or results, if the type is known
         self.feedback_form: Form | None = None  # … and those in between, of an action
         self.message: type[RosMessage] | None = None  # that is sent, if the type is known
+        self.lists: Collection[str] = ()  # the fields of that that may have any number of numbers
         self.requests: deque[RosRequest] = deque(maxlen=20)  # the last ones
         self.arrivals = Arrivals[Any]()  # messages, or values of a parameter, by the clock
         self.live = False
@@ -137,7 +138,7 @@ class Channel:
     def learn(self, types: Types, messages: Sequence[str]) -> None:
         """Note the classes of its messages; BridgeError: a type is not known."""
         if self.wire.direction != "subscription":
-            self.message = types.message(messages[0])
+            self.message, self.lists = types.message(messages[0]), types.lists(messages[0])
         if self.wire.direction != "publisher":
             *others, last = (types.form(message) for message in messages)
             self.form, self.feedback_form = last, others[-1] if others else None

@@ -387,8 +387,7 @@ class TopicLink(Link):
             channel.waiting = f"`{self.transport.place}` is asked for the type `{type_}`"
             return
         channel.learn(self.types, messages)
-        if channel.message is not None:
-            _check_sent(channel, self.types.lists(messages[0]) if channel.is_velocity else ())
+        check_sent(channel)
         self._learned(channel)
         channel.clock = self.transport.clock
         channel.stamps = Stamps(channel.clock)
@@ -559,19 +558,17 @@ class TopicLink(Link):
             self._report(state, sentence)
 
 
-def _check_sent(channel: Channel, lists: Collection[str]) -> None:
-    """Raise RefusedError for limits of fields that do not exist or are not numbers, and for a wrong stop.
-
-    `lists`: the fields of a velocity that may have any number of zeros.
-    """
-    assert channel.message is not None
+def check_sent(channel: Channel) -> None:
+    """Raise RefusedError for limits of fields that do not exist or are not numbers, and for a wrong stop."""
     wire = channel.wire
-    if lists and wire.at_stop is None:
-        example = ", ".join(f'"{name}": [0, 0]' for name in lists)
+    if channel.message is None:
+        return
+    if channel.is_velocity and channel.lists and wire.at_stop is None:
+        example = ", ".join(f'"{name}": [0, 0]' for name in channel.lists)
         raise RefusedError(
-            f"A `{channel.type}` with nothing in `{next(iter(lists))}` stops no robot. Say what is sent at a"
-            f' stop: `"stop": {{"{wire.variable}": {{{example}}}}}` in the set-up, `at_stop={{{example}}}` in'
-            " Python."
+            f"A `{channel.type}` with nothing in `{next(iter(channel.lists))}` stops no robot. Say what is"
+            f' sent at a stop: `"stop": {{"{wire.variable}": {{{example}}}}}` in the set-up,'
+            f" `at_stop={{{example}}}` in Python."
         )
     for name in channel.wire.limits:
         try:

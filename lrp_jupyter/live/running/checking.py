@@ -71,7 +71,7 @@ def members_of(bridge: Bridge, alone: bool = False) -> RobotMembers:
 
     `alone`: whether no person can add members.
     """
-    complete = bridge.complete or (alone and bridge.is_set_up)
+    complete = bridge.complete or (alone and bridge.check_set_up())
     is_known = bridge.is_open or bool(bridge.nodes.table)
     if not is_known:
         bridge.add_members()

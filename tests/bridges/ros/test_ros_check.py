@@ -125,6 +125,14 @@ def test_the_fields_are_those_of_the_installed_packages_of_ros_1(ros_home: Any, 
         ),
         ('{"publisher": {}}', "bad.json: There is no `publisher`"),
         ("{", "The set-up bad.json is not JSON"),
+        (
+            '{"publishers": {"go": {"topic": "/g", "type": "geometry_msgs/Twist", "limits": {"lineer": 1}}}}',
+            "bad.json, `publishers.go`: `geometry_msgs/Twist` has no number `lineer`",
+        ),
+        (
+            '{"publishers": {"on": {"topic": "/on", "type": "std_msgs/Bool"}}, "stop": {"on": {"dta": 0}}}',
+            "bad.json, `publishers.on`: What is to be sent at a stop:",
+        ),
     ],
 )
 def test_a_wrong_set_up_is_a_sentence_with_its_place_and_exit_code_2(
