@@ -133,9 +133,13 @@ def states(graph: Any) -> list[dict[str, Any]]:
     return [json.loads(values["data"]) for values in told_on(graph, "/lrp/state")]
 
 
+@pytest.mark.parametrize(
+    ("is_ros2", "type_", "level"), [(False, "rosgraph_msgs/Log", 2), (True, "rcl_interfaces/Log", 20)]
+)
 def test_a_disarmed_robot_is_followed_too_and_what_is_told_is_no_command(
-    make: Callable[..., RosBridge], graph: Any
+    make: Callable[..., RosBridge], graph: Any, is_ros2: bool, type_: str, level: int
 ) -> None:
+    graph.is_ros2 = is_ros2
     move = {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}
     ros = make(setup={"subscriptions": {}, "publishers": {"move": move}}, state_topic="lrp/state")
     with Session("(machine m (state s (running [robot.move(linear=0.1)]))) (spawn m s)", ros) as session:
@@ -146,7 +150,8 @@ def test_a_disarmed_robot_is_followed_too_and_what_is_told_is_no_command(
     assert states(graph)[-1]["active"] == ["m/s"]
     assert {values["linear"]["x"] for values in told_on(graph, "/cmd_vel")} <= {0.0}, "stops only"
     levels = {values["msg"]: values["level"] for values in told_on(graph, "/rosout")}
-    assert levels["`move` was not sent: the robot is disarmed."] == 2
+    assert levels["`move` was not sent: the robot is disarmed."] == level
+    assert (graph.types["/rosout"], graph.types["/lrp/state"]) == (type_, "std_msgs/String")
 
 
 def test_the_state_is_published_again_when_the_server_is_back_and_the_log_catches_up(
