@@ -18,7 +18,14 @@ def generate_launch_description() -> LaunchDescription:
                 executable=str(Path.home() / "lrp" / "bin" / "lrp"),
                 arguments=[
                     *("run", str(HERE / "wander.lrp"), "--bridge", "ros"),
-                    *("-o", f"setup={HERE / 'robot.json'}", "-o", "patience=inf", "-o", "state_topic=lrp/state"),
+                    *(
+                        "-o",
+                        f"setup={HERE / 'robot.json'}",
+                        "-o",
+                        "patience=inf",
+                        "-o",
+                        "state_topic=lrp/state",
+                    ),
                 ],
                 remappings=[("cmd_vel", "/base/cmd_vel")],
                 respawn=True,

@@ -58,7 +58,7 @@ class LogOutlet(Outlet):
         place = {"file": item.file, "line": item.line, "function": item.function}
         fields = {"name": transport.log_name, "msg": item.text, **place}
         if transport.version == 1:
-            return {**fields, "level": numbers[0]}
+            return {"header": {}, **fields, "level": numbers[0]}
         seconds, rest = divmod(item.stamp, 1)
         return {**fields, "level": numbers[1], "stamp": {"sec": int(seconds), "nanosec": int(rest * 1e9)}}
 

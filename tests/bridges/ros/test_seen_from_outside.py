@@ -115,6 +115,7 @@ def test_a_bag_has_the_states_and_their_reasons_beside_the_sensors_and_the_log(
     assert changes == [("darkens", 4, 42, ["m/dark"]), ("brightens", 5, 201, ["m/bright"])]
     log = [each for each in heard if each["topic"] == "/rosout" and each["file"] == str(program)]
     assert {each["name"].startswith("/lrp") for each in log} == {True}
+    assert all(heard[0]["time"] - 60 < each["stamp"] <= each["time"] for each in log)
     records = [(each["level"], each["msg"], each["line"], each["function"]) for each in log]
     assert (2, "`light` has started.", 0, "") in records
     assert (8, "LRP601 ZeroDivisionError: division by zero", 3, "m/dark") in records
