@@ -233,3 +233,28 @@ def test_a_session_goes_on_where_it_is_when_a_time_is_found_or_given_up(
         wall[0] += 0.5
         session._loop.turn()
         assert session._loop.timing.now == 2.5
+
+
+@pytest.mark.parametrize(("pace", "patience"), [(0.25, 2.0), (1.0, 0.5), (4.0, 0.5)])
+def test_the_watchdog_goes_by_the_wall_however_slow_the_world_is(
+    monkeypatch: pytest.MonkeyPatch, pace: float, patience: float
+) -> None:
+    wall = [100.0]
+    monkeypatch.setattr("lrp_jupyter.live.running.timing.perf_counter", lambda: wall[0])
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.sim_time.time", SimpleNamespace(monotonic=lambda: wall[0]))
+    time = SimTime(lambda _seconds: None)
+    with Session("(machine m (state s)) (spawn m s)", Elsewhere(time)) as session:
+        session.resume()
+        timing, bridge = session._loop.timing, session.bridge
+        for tenth in range(1, 50):
+            wall[0] += 0.1
+            time.tell(round(tenth * 1e8 * pace))
+            session._loop.turn()
+            assert bridge.check_watchdog(timing.expected()) is None
+        last = wall[0]
+        wall[0] = last + patience - 0.01
+        assert bridge.check_watchdog(timing.expected()) is None
+        wall[0] = last + patience + 0.01
+        notice = bridge.check_watchdog(timing.expected())
+        assert notice is not None
+        assert notice.text.startswith("No tick for 0.5 s")

@@ -178,7 +178,7 @@ class TestRos1:
             until(lambda: "`/clock` stands still, and the program with it" in ros.status.sentence)
             assert session.frame.tick == 2
             world.go(session, 100.2)
-            assert ros.safety.motion, "it goes on with the time"
+            assert (ros.safety.command_count, ros.safety.commands[-1].sent) == (3, True), "it goes on with it"
 
     def test_a_recording_says_what_the_clock_showed_and_is_repeated(
         self, world: World, connect: Connect, tmp_path: Path
