@@ -17,7 +17,7 @@ import math
 from collections import deque
 
 _ENOUGH = 20  # messages without a pause …
-_STEADY = 5.0  # … for so many seconds: of events, they would be a long burst
+_STEADY = 3.0  # … for so many seconds: of events, they would be a long burst
 _PAUSE = 0.5  # seconds; a pause is longer than this, and than twice the mean of what came without one
 _SLACK = 1.0  # seconds
 _RECENT = 600.0  # seconds for which a pause counts
