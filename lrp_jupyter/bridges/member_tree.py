@@ -62,6 +62,7 @@ class RobotVariable:
     Owner: the interpreter's thread; other threads may read `value` and `arrived`.
 
     `limit`: the age from which on it is too old to act on, or what returns that.
+    `is_used`: whether a program has read it.
     `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
     `of`: the path of the reading that it accompanies (``light.new``: ``light.data``); empty if it is one.
     """
@@ -85,7 +86,7 @@ class RobotVariable:
         self._bridge, self.path, self.getter, self._age, self.of = bridge, path, getter, age, of
         self.is_timed, self.lateness = limit is not None, ""
         self._limit = limit if callable(limit) else partial(AgeLimit, limit)
-        self._is_used = False  # whether a program has read it
+        self.is_used = False  # whether a program has read it
         self._waiting_since: float | None = None
         self.doc, self.unit, self.type = doc, unit, type_
         self.value: object = None
@@ -103,7 +104,7 @@ class RobotVariable:
         tick = self._bridge.latch
         if tick != self._seen or tick == 0:
             self._seen = tick
-            self._is_used |= tick > 0
+            self.is_used |= tick > 0
             self._failure = None
             try:
                 value = self.getter()
@@ -153,7 +154,7 @@ class RobotVariable:
         """
         age, (most, measured), now = self.age(), self._limit(), self._bridge.safety.now
         self.lateness = ""
-        if measured and not self._is_used:
+        if measured and not self.is_used:
             return ""
         self._judged = self._bridge.latch
         if most is None:
@@ -416,6 +417,11 @@ class Nodes:
             for each in companions:
                 table.setdefault(each.path, each)
             self._replace(table)
+
+    def accompany(self, name: str, companion: RobotVariable) -> None:
+        """Add what is known of a member beside it."""
+        with self._changing:
+            self._replace({**self.table, companion.path: companion})
 
     def _replace(self, table: Mapping[str, object]) -> None:
         nodes = table.values()

@@ -36,7 +36,7 @@ from typing import Any, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, Task
 from lrp_jupyter.bridges.guarding.guard import Stopper
-from lrp_jupyter.bridges.member_tree import Limits, RobotMethod, RobotVariable, companion_path
+from lrp_jupyter.bridges.member_tree import AgeLimit, Limits, RobotMethod, RobotVariable, companion_path
 from lrp_jupyter.bridges.message import Message, moves, real_number
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros.backends import (
@@ -76,7 +76,7 @@ from lrp_jupyter.bridges.ros.setup import (
 )
 from lrp_jupyter.bridges.ros.sim_time import TOPIC as CLOCK_TOPIC
 from lrp_jupyter.bridges.ros.sim_time import ClockChannel, SimTime
-from lrp_jupyter.bridges.ros.transforms import Transform
+from lrp_jupyter.bridges.ros.transforms import Transform, TransformTree
 from lrp_jupyter.bridges.ros.types import RosMessage
 from lrp_jupyter.bridges.ros.types_here import TypesHere
 from lrp_jupyter.bridges.ros.wiring import Wiring
@@ -369,12 +369,7 @@ class RosBridge(Bridge):
         wire = channel.wire
         try:
             if channel.tree is not None:
-                self.add_method(
-                    wire.variable,
-                    partial(self._transform, channel),
-                    "where the source frame is in the target frame: `x`, `y`, `yaw`, `translation`, …",
-                    command=False,
-                )
+                self._offer_transforms(channel, channel.tree)
             elif wire.is_read:
                 reading = RobotVariable(
                     self,
@@ -426,6 +421,33 @@ class RosBridge(Bridge):
         why = f": {channel.waiting}" if channel.wire.direction == "parameter" else " has no data yet."
         raise NoDataYet(f"`robot.{channel.wire.variable}`{why}")
 
+    def _offer_transforms(self, channel: Channel, tree: TransformTree) -> None:
+        """Register the method that looks a frame up, and the age of what the program has looked up."""
+
+        def oldest() -> tuple[float, AgeLimit]:
+            return tree.oldest(channel.clock.now(), channel.limit_of)
+
+        variable = channel.wire.variable
+        age = RobotVariable(
+            self,
+            f"{variable}.age",
+            lambda: oldest()[0],
+            "seconds since the oldest transform arrived that the program has asked for",
+            "s",
+            float,
+            lambda: oldest()[0],
+            None if channel.wire.stale_after is None else lambda: oldest()[1],
+            variable,
+        )
+        age.is_used = True
+        self.add_method(
+            variable,
+            partial(self._transform, channel),
+            "where the source frame is in the target frame: `x`, `y`, `yaw`, `translation`, …",
+            command=False,
+        )
+        self.nodes.accompany(variable, age)
+
     def _transform(self, channel: Channel, target_frame: str, source_frame: str) -> Transform:
         """Return where a frame is in another one, by what the tick sees."""
         call = f"robot.{channel.wire.variable}"
@@ -435,10 +457,9 @@ class RosBridge(Bridge):
                     f'`{call}` takes the names of two frames, as in `{call}("map", "base_link")`.'
                 )
         assert channel.tree is not None
-        now, given = channel.clock.now(), channel.wire.stale_after
-        limit = None if given == MEASURED else given
+        now, in_tick = channel.clock.now(), bool(self.latch)
         try:
-            return channel.tree.lookup(target_frame, source_frame, now, bool(self.latch), limit)
+            return channel.tree.lookup(target_frame, source_frame, now, in_tick, channel.limit_of)
         except (NoDataYet, BridgeError) as error:
             if channel.problem:
                 raise BridgeError(f"`{call}`: {channel.problem}") from None

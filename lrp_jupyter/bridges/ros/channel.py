@@ -227,7 +227,11 @@ class Channel:
 
     def age_limit(self) -> AgeLimit:
         """Return from which age on the last message is too old to drive by."""
-        given, rhythm = self.wire.stale_after, self.rhythm
+        return self.limit_of(self.rhythm, self._under_way)
+
+    def limit_of(self, rhythm: Rhythm, under_way: float = 0.0) -> AgeLimit:
+        """Return that of what comes in a rhythm, and is under way for so long."""
+        given = self.wire.stale_after
         if given != MEASURED:
             return AgeLimit(given)
         patience, period = rhythm.patience, rhythm.period
@@ -235,7 +239,7 @@ class Channel:
             return AgeLimit(None)
         pace = f"one came every {period:.2g} s" if period is not None else "they came steadily"
         how = f"Before, {pace}, with pauses of at most {rhythm.longest:.2g} s. {_SWITCHED_OFF}"
-        return AgeLimit(patience + self._under_way + self.motion.excused(rhythm.last), how)
+        return AgeLimit(patience + under_way + self.motion.excused(rhythm.last), how)
 
     def rate(self) -> float:
         """Return the recent messages per second; 0 when they have ceased."""

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.member_tree import AgeLimit
+from lrp_jupyter.bridges.ros.rhythm import Rhythm
 from lrp_jupyter.errors import BridgeError, NoDataYet, StaleData, did_you_mean
 
 TRANSFORMS = "tf2_msgs/TFMessage"
@@ -22,6 +24,7 @@ TF_TOPICS = ("tf", "tf_static")
 """The topics that have it, below the namespace of a robot."""
 
 _SMALL = 0.01  # by which the length of a quaternion may differ from 1
+_LATELY = 1.0  # seconds for which what a program has asked for counts
 _SHOWN = 20  # frames that a sentence lists
 
 
@@ -115,10 +118,15 @@ class Transform:
 class _Link(NamedTuple):
     """The newest transform of a frame: where it is in its parent, and when that arrived."""
 
+    frame: str
     parent: str
     pose: _Pose
     at: float
-    is_static: bool
+    rhythm: Rhythm | None  # of one that moves; None: it is static
+
+
+LimitOf = Callable[[Rhythm], AgeLimit]
+"""Returns from which age on what comes in a rhythm is too old."""
 
 
 class TransformTree:
@@ -131,18 +139,23 @@ class TransformTree:
         self._lock = threading.Lock()
         self._links: Mapping[str, _Link] = {}  # by their frames; always replaced, never changed
         self._latched: Mapping[str, _Link] = {}
+        self._asked: dict[str, float] = {}  # the frames on the ways that ticks have asked for, and when
 
     def put(self, message: Any, at: float, is_static: bool) -> None:
         """Take the transforms of a message; ValueError: one of them is none, and the others are taken."""
-        wrong, found = "", {}
-        for each in message.transforms:
-            frame, parent = _frame(each.child_frame_id), _frame(each.header.frame_id)
-            pose = _pose_of(each.transform)
-            if pose is None or not frame or not parent or frame == parent:
-                wrong = f"that of `{frame}` in `{parent}` is no transform"
-            else:
-                found[frame] = _Link(parent, pose, at, is_static)
+        wrong, found = "", dict[str, _Link]()
         with self._lock:
+            for each in message.transforms:
+                frame, parent = _frame(each.child_frame_id), _frame(each.header.frame_id)
+                pose = _pose_of(each.transform)
+                if pose is None or not frame or not parent or frame == parent:
+                    wrong = f"that of `{frame}` in `{parent}` is no transform"
+                else:
+                    before = self._links.get(frame)
+                    rhythm = None if is_static else (before and before.rhythm) or Rhythm()
+                    if rhythm is not None:
+                        rhythm.note(at)
+                    found[frame] = _Link(frame, parent, pose, at, rhythm)
             self._links = {**self._links, **found}
         if wrong:
             raise ValueError(wrong)
@@ -150,19 +163,37 @@ class TransformTree:
     def forget(self, is_static: bool) -> None:
         """Forget the static transforms, or all others."""
         with self._lock:
-            self._links = {name: each for name, each in self._links.items() if each.is_static != is_static}
+            self._links = {
+                name: each for name, each in self._links.items() if (each.rhythm is None) != is_static
+            }
 
     def latch(self) -> None:
         """Hold what there is for the tick that begins."""
         self._latched = self._links
 
+    def oldest(self, now: float, limit_of: LimitOf) -> tuple[float, AgeLimit]:
+        """Return the age, and its limit, of what was asked for lately and is too old, or nearest to that."""
+        links = [self._links.get(frame) for frame, at in self._asked.items() if now - at < _LATELY]
+        known = [(max(0.0, now - each.at), limit_of(each.rhythm)) for each in links if each and each.rhythm]
+
+        def excess(one: tuple[float, AgeLimit]) -> tuple[float, float]:
+            age, most = one[0], one[1].seconds
+            return -math.inf if most is None else age - most, age
+
+        return max(known, key=excess, default=(0.0, AgeLimit(None)))
+
     def lookup(
-        self, target: str, source: str, now: float, in_tick: bool, stale_after: float | None = None
+        self,
+        target: str,
+        source: str,
+        now: float,
+        in_tick: bool,
+        limit_of: LimitOf = lambda _: AgeLimit(None),
     ) -> Transform:
         """Return where the source frame is in the target frame.
 
         `now`: in the time in which messages arrived.
-        Raises NoDataYet: that is not known; StaleData: it is older than `stale_after`.
+        Raises NoDataYet: that is not known; StaleData: a part of it is too old.
         """
         links = self._latched if in_tick else self._links
         known = dict.fromkeys([*links, *(each.parent for each in links.values())])
@@ -179,11 +210,13 @@ class TransformTree:
         while up.links and down.links and up.links[-1] is down.links[-1]:
             up, down = up.shorter(), down.shorter()
         way = down.pose().inverse().times(up.pose())
-        moving = [each for each in (*up.links, *down.links) if not each.is_static]
-        oldest = min(moving, key=lambda link: link.at, default=None)
-        age = 0.0 if oldest is None else max(0.0, now - oldest.at)
-        if stale_after is not None and age > stale_after:
-            raise StaleData(f"The transform from `{source}` to `{target}` is stale: it is {age:.1f} s old.")
+        moving = [each for each in (*up.links, *down.links) if each.rhythm is not None]
+        if in_tick:
+            self._asked |= {each.frame: now for each in moving}
+        for link in moving:
+            if late := _lateness(link, now, limit_of):
+                raise StaleData(late)
+        age = max((max(0.0, now - link.at) for link in moving), default=0.0)
         translation, rotation = way
         return Transform(translation.x, translation.y, rotation.yaw, translation, rotation, age)
 
@@ -215,6 +248,15 @@ class _Way(NamedTuple):
         for link in self.links:
             found = link.pose.times(found)
         return found
+
+
+def _lateness(link: _Link, now: float, limit_of: LimitOf) -> str:
+    """Return that a transform is too old, in a sentence, or an empty text."""
+    assert link.rhythm is not None
+    age, (most, measured) = now - link.at, limit_of(link.rhythm)
+    if most is None or age <= most:
+        return ""
+    return f"That of `{link.frame}` in `{link.parent}` is stale: it is {age:.1f} s old. {measured}".rstrip()
 
 
 def _frame(name: str) -> str:

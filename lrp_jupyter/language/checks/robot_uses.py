@@ -58,6 +58,8 @@ def check_robot(
         is_certain = members.complete or path in members.tasks or around in members.tasks
         if member is not None:
             left = use.names[index + 1 :]
+            if left and f"{path}.{left[0]}" in members.members:  # what accompanies it
+                continue
             if member.parameters is not None:
                 if left and members.inside(path):  # a task, of which something is read
                     continue
@@ -69,8 +71,6 @@ def check_robot(
                 if path in members.tasks and use.role in _USED:
                     return _task(use, member)
                 return _method(use, member, member.parameters, is_number)
-            if left and f"{path}.{left[0]}" in members.members:  # what accompanies it
-                continue
             if left:
                 return _inside_reading(use, member, index) if members.complete else None
             return _reading(use, member, is_condition) if is_certain else None

@@ -76,11 +76,15 @@ def members_of(bridge: Bridge, alone: bool = False) -> RobotMembers:
     if not is_known:
         bridge.add_members()
         bridge.offer_stop()
-    nodes = [node for node in bridge.nodes.members() if complete or isinstance(node, RobotMethod)]
+    nodes = [node for node in bridge.nodes.members() if complete or _is_of_method(bridge, node)]
     members = [member for node in nodes for member in _described(node)]
     if not is_known:
         bridge.nodes.clear()
     return RobotMembers({member.path: member for member in members}, complete and bool(members))
+
+
+def _is_of_method(bridge: Bridge, node: RobotVariable | RobotMethod) -> bool:
+    return isinstance(node, RobotMethod) or isinstance(bridge.nodes.table.get(node.of), RobotMethod)
 
 
 def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:

@@ -15,7 +15,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.waiting import until
 
+from lrp_jupyter import check
+from lrp_jupyter.bridges.bridge import ConnectionState
+from lrp_jupyter.bridges.member_tree import AgeLimit
 from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.transforms import TransformTree
 from lrp_jupyter.errors import BridgeError, NoDataYet, StaleData
 from lrp_jupyter.live.recording import read_recording
@@ -139,9 +144,36 @@ def test_the_age_is_that_of_the_oldest_part_on_the_way_and_static_ones_have_none
     ours.put(message(("base", "laser", *PLAIN), ("base", "arm", *PLAIN)), 0.0, True)
     ages = {("map", "laser"): 4.0, ("odom", "laser"): 1.0, ("laser", "arm"): 0.0, ("map", "map"): 0.0}
     assert {asked: ours.lookup(*asked, 5.0, False).age for asked in ages} == ages
-    assert ours.lookup("odom", "laser", 5.0, False, stale_after=2.0).x == 0
-    with pytest.raises(StaleData, match=r"from `laser` to `map` is stale: it is 4\.0 s old"):
-        ours.lookup("map", "laser", 5.0, False, stale_after=2.0)
+    assert ours.lookup("odom", "laser", 5.0, False, lambda _: AgeLimit(2.0)).x == 0
+    with pytest.raises(StaleData, match=r"That of `odom` in `map` is stale: it is 4\.0 s old\."):
+        ours.lookup("map", "laser", 5.0, False, lambda _: AgeLimit(2.0))
+
+
+def test_one_that_came_steadily_and_ceases_is_stale_unless_it_is_switched_off() -> None:
+    ours = tree(("base", "laser"), is_static=True)
+    for tenth in range(100):
+        ours.put(message(("odom", "base", *PLAIN)), tenth / 10, False)
+    ours.put(message(("map", "odom", *PLAIN)), 9.9, False)
+    ours.latch()
+    channel = Channel(Wire("tf", "subscription", "/tf"))
+    assert ours.lookup("map", "laser", 11.0, True, channel.limit_of).age == pytest.approx(1.1)
+    assert ours.oldest(11.0, channel.limit_of)[0] == pytest.approx(1.1)
+    with pytest.raises(StaleData, match=r"That of `base` in `odom` is stale: .* one came every 0\.1 s"):
+        ours.lookup("map", "laser", 11.3, True, channel.limit_of)
+    age, limit = ours.oldest(11.4, channel.limit_of)
+    assert (age, limit.seconds) == (pytest.approx(1.5), pytest.approx(1.2))
+    assert ours.lookup("map", "odom", 20.0, True, channel.limit_of).age == pytest.approx(10.1), "it came once"
+    assert ours.oldest(20.0, channel.limit_of)[1].seconds is None, "what is asked for no longer"
+    never = Channel(Wire("tf", "subscription", "/tf", stale_after=None))
+    assert ours.lookup("map", "laser", 20.0, True, never.limit_of).age == pytest.approx(10.1)
+
+
+def test_a_program_that_asks_for_frames_is_checked_by_its_set_up() -> None:
+    ros = RosBridge(setup={"subscriptions": {"tf": {"topic": "/tf"}}})
+    asked = FAR.replace(".x > 2", ".x > robot.tf.age")
+    assert check(asked, bridge=ros) == ()
+    (finding,) = check(FAR.replace(', "base_link"', ""), bridge=ros)
+    assert "`robot.tf` needs `source_frame`" in finding.message
 
 
 def publisher(real: Any, kind: str) -> Callable[..., None]:
@@ -214,13 +246,31 @@ def test_a_program_asks_where_its_robot_is_and_the_run_is_repeated(
     ros.subscribe("tf", "/tf", stale_after=0.001)
     ros.open()
     until(lambda: at("laser", "arm"))  # what is kept comes again, and is never old
-    wheels(["odom", "base_link", 0.0, 0.0, 0.0])
 
-    def is_stale() -> bool:
+    def has_come() -> bool:
+        wheels(["odom", "base_link", 0.0, 0.0, 0.0])  # the first ones may be lost
         try:
             ros.robot.tf("odom", "base_link")
-        except NoDataYet as error:
-            return "`robot.tf`: The transform from `base_link` to `odom` is stale" in str(error)
-        return False
+        except StaleData:
+            return True
+        except NoDataYet:
+            return False
+        return True
+
+    until(has_come)
+
+    def is_stale() -> bool:
+        """Whether nothing moves the robot in the tick after one in which the program has asked."""
+        why = ""
+        for _ in range(2):
+            ros.begin_tick(0.0, 0.1)
+            sentence = ros.safety.blind
+            try:
+                ros.robot.tf("odom", "base_link")
+            except NoDataYet as error:
+                why = str(error)
+            ros.end_tick(0.0)
+        return "`robot.tf`: That of `base_link` in `odom` is stale" in why and "`robot.tf.age`" in sentence
 
     until(is_stale)
+    assert ros.status.state is ConnectionState.STALE
