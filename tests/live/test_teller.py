@@ -109,3 +109,18 @@ def test_a_bridge_that_fails_to_tell_is_a_notice_and_the_run_goes_on(robot: Told
         assert session.frame.tick == 10
     (notice,) = [each for each in robot.safety.notices if each.kind == "fault"]
     assert notice.text == "What happens could not be told: OSError: no broker."
+
+
+@pytest.mark.parametrize(
+    ("wants", "journal", "knows"), [(True, 10, True), (True, 0, False), (False, 10, False)]
+)
+def test_why_a_transition_fired_is_told_where_that_is_wanted_and_remembered(
+    robot: Told, wants: bool, journal: int, knows: bool
+) -> None:
+    robot.arm()
+    robot.tells_why, robot.distance = wants, 0.1
+    with Session(DRIVES, robot, journal=journal) as session:
+        session.run(0.3)
+    (fired,) = robot.events("fired")
+    assert ("why" in fired, "values" in fired) == (knows, knows)
+    assert fired["transition"] == "near"
