@@ -13,12 +13,12 @@ know, and what has happened since the last time::
                  "values": {"robot.light.data": 0, "lightlim": 128}},
                 {"tick": 12, "time": 1.1, "event": "entered", "state": "follower/moving"}]}
 
-``status`` is that of a :class:`~lrp_jupyter.live.running.frame.Frame`, with its reason; ``stamp`` is in
-seconds of ``time.time()``; ``active`` are the states that are active now. The events are the lines of the
-trace (`lrp_jupyter.live.trace`), without ``changed``, ``commanded`` and ``printed``. ``fired`` also has
-``line``, ``why`` and ``values`` where the bridge wants them (`tells_why`) and the session remembers ticks;
-``patched`` has its ``changes``. A notice of the robot's safety is another one: ``{"event": "notice", "kind":
-"stale", "message": "…"}``.
+``status`` is that of a :class:`~lrp_jupyter.live.running.frame.Frame`, with its reason; ``stamp`` is what
+the robot's clock shows, or else this computer's, in seconds; ``active`` are the states that are active now.
+The events are the lines of the trace (`lrp_jupyter.live.trace`), without ``changed``, ``commanded`` and
+``printed``. ``fired`` also has ``line``, ``why`` and ``values`` where the bridge wants them (`tells_why`) and
+the session remembers ticks; ``patched`` has its ``changes``. A notice of the robot's safety is another one:
+``{"event": "notice", "kind": "stale", "message": "…"}``.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class Teller:
         if not bridge.is_open or not self._busy.acquire(blocking=False):
             return
         try:
-            hung, frame = loop.hung, loop.frame
+            hung, frame, clock = loop.hung, loop.frame, bridge.world_time()
             self._status = self._shown_status
             events = [self._events.popleft() for _ in range(len(self._events))]
             told = {
@@ -104,7 +104,7 @@ class Teller:
                 "reason": loop.reason if hung is None else str(hung),
                 "tick": tick or frame.tick,
                 "time": round(loop.timing.now if tick else frame.time, 9),
-                "stamp": time.time(),
+                "stamp": time.time() if clock is None else clock,
                 "active": [path_text(path) for path in (loop.interpreter.active if tick else frame.active)],
                 "events": [self._line(event, tick) for event in events],
             }

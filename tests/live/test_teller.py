@@ -41,6 +41,9 @@ class Told(Bare, offered=False):
     def tell(self, told: Any) -> None:
         self.told.append(json.loads(json.dumps(told, allow_nan=False)))
 
+    def world_time(self) -> float:
+        return 42.0  # s
+
     def events(self, kind: str) -> list[dict[str, Any]]:
         return [event for told in self.told for event in told["events"] if event["event"] == kind]
 
@@ -57,6 +60,7 @@ def test_a_bridge_is_told_what_is_active_what_fired_and_why_also_disarmed(robot:
         robot.distance = 0.25
         session.run(0.1)
         assert robot.told[-1]["active"] == ["m/back"]
+        assert robot.told[-1]["stamp"] == 42.0
         (fired,) = robot.events("fired")
         assert (fired["source"], fired["destination"], fired["line"]) == ("ahead", "back", 7)
         assert fired["values"] == {"robot.range.data": 0.25, "far": 0.5}
