@@ -273,7 +273,7 @@ def _method(
     if use.role in ("assigned", "deleted"):
         message = f"`{path}` is a method and cannot be {use.role}. Call it as `{call}`."
         return Remedied("LRP523", use.span, message)
-    if use.role == "with" and not parameters.fields:
+    if use.role == "with" and not (parameters.fields or parameters.is_open):
         message = f"`{path}` accepts no message. Call it as `{call}`."
         return Remedied("LRP521", use.span, message)
     end = use.span.end

@@ -29,6 +29,7 @@ ROBOT = {
     },
     "actions": {"drive_to": {"action": "/move_base", "type": "move_base_msgs/MoveBase"}},
 }
+PROGRAMS = sorted((Path(__file__).parents[3] / "notebooks" / "ros").glob("*.lrp"))
 Check = Callable[..., Any]
 
 
@@ -89,6 +90,16 @@ def test_what_a_set_up_does_not_give_is_a_finding(
 def test_what_it_may_give_is_none(check: Check, tests: str) -> None:
     assert check("robot.horn(robot.thing.what, foo=1); robot.drive_to(anything=1)", tests) == {}
     assert check("robot.move(linear=0.1, angular_z=1)") == {}
+    assert check("with robot.drive_to as goal: goal.anything.x = 1") == {}
+
+
+@pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)
+def test_the_programs_for_a_robot_have_no_findings(monkeypatch: pytest.MonkeyPatch, program: Path) -> None:
+    monkeypatch.chdir(program.parent)
+    own = program.with_suffix(".json")
+    setup = own if own.exists() else program.with_name("robot.json")
+    done = CliRunner().invoke(app, ["check", program.name, "--bridge", "ros", "-o", f"setup={setup.name}"])
+    assert (done.exit_code, done.stdout) == (0, f"{program.name}: no findings\n")
 
 
 def test_the_fields_are_those_of_the_back_end_and_of_the_folders_that_are_named(
