@@ -121,6 +121,15 @@ BridgeOptions = Annotated[
 ]
 
 
+RosArguments = Annotated[
+    list[str] | None,
+    Argument(
+        metavar="ROS_ARGUMENTS",
+        help="For a node of ROS: what roslaunch and `ros2 launch` append, such as `__name:=behaviour`.",
+    ),
+]
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"lrp {version('lrp-jupyter')}")
@@ -189,13 +198,7 @@ play; of a longer run the last ten minutes, or 10,000 ticks if they are more.
 @app.command(cls=_NodeCommand, epilog=RUN_EPILOG)
 def run(
     file: File,
-    ros_arguments: Annotated[
-        list[str] | None,
-        Argument(
-            metavar="ROS_ARGUMENTS",
-            help="With `--bridge ros`: what roslaunch and `ros2 launch` append, such as `__name:=behaviour`.",
-        ),
-    ] = None,
+    ros_arguments: RosArguments = None,
     bridge: Annotated[
         str | None,
         Option(
@@ -729,7 +732,7 @@ the beginning. Later it waits for them.
 """
 
 
-@command(epilog=GUARD_EPILOG)
+@app.command(cls=_NodeCommand, epilog=GUARD_EPILOG)
 def guard(
     backend: Annotated[
         str,
@@ -747,7 +750,7 @@ def guard(
         ),
     ] = None,
     topic: Annotated[
-        str | None, Option(help="Of the velocities. Default: `/cmd_vel`, or `robot/cmd_vel` for MQTT.")
+        str | None, Option(help="Of the velocities. Default: `cmd_vel`, or `robot/cmd_vel` for MQTT.")
     ] = None,
     type_: Annotated[
         str, Option("--type", metavar="TYPE", help="Of its messages. Default: that of the live topic.")
@@ -770,11 +773,14 @@ def guard(
             metavar="TOPIC", help="With --action: where the program publishes in every tick that it is there."
         ),
     ] = "",
+    ros_arguments: RosArguments = None,
 ) -> None:
     """Stop a robot, on its own side, when its program sends no more commands."""
     from lrp_jupyter.cli.guard_command import guard_robot
 
-    raise typer.Exit(guard_robot(backend, host, topic, type_, after, alive, action or ()))
+    raise typer.Exit(
+        guard_robot(backend, host, topic, type_, after, alive, action or (), ros_arguments or ())
+    )
 
 
 @command()

@@ -23,6 +23,7 @@ from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.message import moves
 from lrp_jupyter.bridges.ros import RosBridge, backends
 from lrp_jupyter.bridges.ros.address import parse_address
+from lrp_jupyter.bridges.ros.arguments import bridge_options
 from lrp_jupyter.bridges.ros.link import GUARD_NODE
 from lrp_jupyter.cli.terminal import Writer
 from lrp_jupyter.errors import BridgeError
@@ -31,6 +32,11 @@ MQTT = "mqtt"
 BACKENDS = (backends.AUTO, *backends.BACKENDS, MQTT)
 """The ways to a robot."""
 
+_TAKEN = ("host", "namespace", "remap")  # of what a launch file may say of a node
+_PASSED = (
+    "node",
+    "sim_time",
+)  # it is known by the name of all guards, and the time of a robot may stand still
 _LOOK = 0.05  # s between two looks, and between two stops
 _STOPS = 100  # a message may be lost, or the robot may be connected seconds later than this guard
 _CANCELS = 20  # of goals; another client may soon have one of its own
@@ -45,6 +51,7 @@ def guard_robot(
     after: float,
     alive: str = "",
     actions: Sequence[str] = (),
+    ros_arguments: Sequence[str] = (),
 ) -> int:
     """Guard a robot until Ctrl-C; return the exit code."""
     robot: RosSide | MqttSide
@@ -57,10 +64,16 @@ def guard_robot(
             raise BridgeError("--type is for ROS: the messages of MQTT have no types.")
         if actions:
             raise BridgeError("--action is for ROS: MQTT has no actions.")
+        if ros_arguments:
+            raise BridgeError(f"`{ros_arguments[0]}` is for a node of ROS, and this guard is none.")
         robot = MqttSide(topic or "robot/cmd_vel", host)
     else:
-        velocity = topic or ("" if alive else "/cmd_vel")
-        robot = RosSide(velocity, type_, alive, actions, backend=backend, host=host)
+        velocity = topic or ("" if alive else "cmd_vel")
+        where: dict[str, Any] = {"backend": backend, "host": host}
+        where |= bridge_options(ros_arguments, (*_TAKEN, *_PASSED))
+        for name in _PASSED:
+            where.pop(name, None)
+        robot = RosSide(velocity, type_, alive, actions, **where)
     output = Writer()
     try:
         watch(robot, after, partial(output, _say), threading.Event())

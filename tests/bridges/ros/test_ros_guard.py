@@ -76,8 +76,10 @@ class TestARosRobot(StandsStill):
 
 def test_a_robot_whose_commands_cease_is_stopped_on_its_own_side(real: Any, backend: str, port: int) -> None:
     wheels: list[str] = real.lines(real.start_robot(world="empty"))
-    options = ("--backend", backend, "--host", f"127.0.0.1:{port}", "--topic", "/cmd_vel")
-    printed: list[str] = real.lines(real.start(sys.executable, "-m", "lrp_jupyter", "guard", *options))
+    options = ("--backend", backend, "--host", f"127.0.0.1:{port}", "--topic", "drive")
+    launched = ("__name:=stopper", "__log:=stopper.log", "__ns:=/robot1", "drive:=/cmd_vel")
+    command = (sys.executable, "-m", "lrp_jupyter", "guard", *options, *launched)
+    printed: list[str] = real.lines(real.start(*command))
     until(lambda: any("nothing has arrived" in line for line in printed))
     command = ("/cmd_vel", "geometry_msgs/Twist", "[0.2, 0, 0]", "[0, 0, 0.5]")
     program = real.start("/usr/bin/rostopic", "pub", "-r", "10", *command)

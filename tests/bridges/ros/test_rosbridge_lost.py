@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from support.ports import free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
@@ -124,6 +125,20 @@ def test_a_back_end_that_is_not_installed_names_what_to_install(monkeypatch: pyt
     monkeypatch.setitem(sys.modules, "websockets.asyncio.client", None)
     with pytest.raises(BridgeError, match="pip install"):
         RosBridge(backend="rosbridge", host="127.0.0.1").open()
+
+
+@pytest.mark.parametrize("backend", ["rosbridge", "auto"])
+def test_a_server_that_comes_late_is_waited_for(serve: Callable[..., Any], make: Make, backend: str) -> None:
+    port, told = free_port(), []
+    ros = make(backend=backend, port=port, patience="inf")
+    ros.status_listener = told.append
+    opening = threading.Thread(target=ros.open)
+    opening.start()
+    until(lambda: any("Waiting for the robot: No " in status.sentence for status in told))
+    assert {status.state for status in told} == {ConnectionState.CONNECTING}
+    serve(port)
+    opening.join()
+    assert ros.is_open
 
 
 def test_neither_back_end_is_imported_before_the_bridge_is_opened() -> None:
