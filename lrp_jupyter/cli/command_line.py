@@ -148,8 +148,9 @@ def lrp(
 
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 4
-    when no robot answers; 130 after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a
-    limit. The help of `run`, `check`, `format`, `graph`, `grade` and `sweep` has the details.
+    when no robot answers; 5 when ROS 1 has ended the node of a run; 130 after Ctrl-C; 154 when a call of C that
+    cannot be interrupted has exceeded a limit. The help of `run`, `check`, `format`, `graph`, `grade` and
+    `sweep` has the details.
     """
 
 
@@ -158,8 +159,9 @@ RUN_EPILOG = """
 reached, or the run paused, at an issue or a breakpoint, and nothing can resume it, or a block did not return
 for 10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong,
 3 when the interpreter itself failed, 4 when the robot did not answer, nothing of it ever worked, or it was
-lost at the end, 130 when Ctrl-C stopped the robot and ended the run, 143 after SIGTERM, 154 when a run with
-`--for` was ended because one call of C did not return: the stacks that are printed then show its line.
+lost at the end, 5 when ROS 1 has ended the node (another one took its name, or `rosnode kill`), 130 when
+Ctrl-C stopped the robot and ended the run, 143 after SIGTERM, 154 when a run with `--for` was ended because
+one call of C did not return: the stacks that are printed then show its line.
 
 **Live programming**: with `--watch` every save of the file patches the running program. A text that is not a
 valid program changes nothing: its errors are shown and the last valid program keeps running. A block that

@@ -53,6 +53,8 @@ from lrp_jupyter.logs import open_log
 
 LIMIT = 10.0
 """Wall seconds that a block may take in a run of limited length."""
+GONE = 5
+"""Exit code of a run whose connection was ended from outside, for good."""
 _REFRESH = 1 / 12  # s between two refreshes of the display
 _ROUNDING = 1e-6  # s
 _LAST = 3  # number of recent transitions on the board
@@ -594,6 +596,9 @@ class _Run:
             write_file(FilePath(self.wanted.animate), self.session.animation() + "\n")
         if self._caught:
             return 128 + self._caught[0]
+        if gone := self.session.bridge.gone:
+            self._complain(f"lrp: {gone}")
+            return GONE
         reached = self.wanted.until is not None and self._events.reached.is_set()
         if (unreached := self.session.bridge.unreached) and not reached:
             self._complain(f"lrp: {unreached}")

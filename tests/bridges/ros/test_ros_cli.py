@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -90,6 +91,28 @@ def test_the_follower_drives_where_jupyter_and_the_libraries_of_other_back_ends_
 
 @pytest.mark.ros
 @pytest.mark.slow
+def test_a_node_that_is_ended_from_outside_stops_the_robot_and_ends_the_run(
+    real: Any, bare_lrp: Start, drive: Callable[..., Path]
+) -> None:
+    import xmlrpc.client
+
+    import rosgraph
+
+    wheels = real.lines(real.start_robot(world="empty"))
+    options = ("--bridge", "ros", "-o", f"setup={SETUP}", "__name:=behaviour")
+    run = bare_lrp("run", drive(), *options, environment=real.environment, before=PATIENT)
+    until(lambda: wheels and not wheels[-1].endswith(" 0.0"))
+    address = rosgraph.Master("/tests").lookupNode("/behaviour")
+    with suppress(OSError), xmlrpc.client.ServerProxy(address) as node:  # it may end before it answers
+        node.shutdown("/tests", "user request")  # as `rosnode kill` does
+    _output, complaints = run.communicate(timeout=180)
+    assert run.returncode == 5
+    assert "The ROS node `/behaviour` was shut down from outside, as by `rosnode kill`." in complaints
+    until(lambda: wheels[-1].endswith(" 0.0"))
+
+
+@pytest.mark.ros
+@pytest.mark.slow
 def test_a_node_waits_for_its_master_has_its_name_and_does_not_fight_for_it(
     real: Any, bare_lrp: Start, drive: Callable[..., Path], tmp_path: Path
 ) -> None:
@@ -114,7 +137,7 @@ def test_a_node_waits_for_its_master_has_its_name_and_does_not_fight_for_it(
     )
     real.start(sys.executable, "-c", twin, "__ns:=/robot1", ready=True)
     _output, complaints = run.communicate(timeout=180)
-    assert (run.returncode, complaints.count("\n")) == (4, 1)
+    assert (run.returncode, complaints.count("\n")) == (5, 1)
     assert "Another node has taken the name `/robot1/behaviour`" in complaints
     until(lambda: wheels[-1].endswith(" 0.0"))
 
