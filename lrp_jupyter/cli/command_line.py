@@ -148,7 +148,7 @@ def lrp(
 
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 4
-    when no robot answers; 5 when ROS 1 has ended the node of a run; 130 after Ctrl-C; 154 when a call of C that
+    when no robot answers; 5 when ROS 1 has ended the node; 130 after Ctrl-C; 154 when a call of C that
     cannot be interrupted has exceeded a limit. The help of `run`, `check`, `format`, `graph`, `grade` and
     `sweep` has the details.
     """
