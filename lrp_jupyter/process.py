@@ -15,6 +15,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
+PYTHON = sys.executable
+"""The path of this Python, to be told."""
+
 _KEPT = frozenset(
     f"PYTHON{name}"
     for name in ("HOME", "PLATLIBDIR", "USERBASE", "UTF8", "IOENCODING", "DONTWRITEBYTECODE", "PYCACHEPREFIX")

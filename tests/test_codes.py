@@ -22,7 +22,7 @@ from lrp_jupyter.live.reason import CommandCode, StateCode
 from lrp_jupyter.live.running import driver, monitor
 
 PACKAGE = Path(lrp_jupyter.__file__).parent
-NO_PROGRAM_BRINGS_IT = {"LRP699", "exit-3", "exit-130", "exit-154"}
+NO_PROGRAM_BRINGS_IT = {"LRP699", "exit-3", "exit-4", "exit-5", "exit-130", "exit-154"}
 ENOUGH_TO_CHECK = {code for code in FINDINGS if code[3] != "6"}
 
 

@@ -6,11 +6,14 @@ them to every Python, but the compiled parts of rclpy, and what rospy needs, fit
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
+
+from lrp_jupyter.process import PYTHON
 
 _SYSTEM = "/usr/bin/python3"  # that of the operating system, for which ROS is made
 _OLDEST = (3, 11)  # that this package runs on
@@ -33,7 +36,7 @@ def lacks_library(library: str) -> str:
         why = str(error) or type(error).__name__
     else:
         return ""
-    here = f"this Python ({sys.executable}, {sys.version.split()[0]}) has no {library} ({why})"
+    here = f"this Python ({PYTHON}, {sys.version.split()[0]}) has no {library} ({why})"
     version = _version_with(library)
     if version is None:
         remedy = f"{_MISSING[library]}, or use {_INSTEAD[library]}."
@@ -53,7 +56,9 @@ def _version_with(library: str) -> tuple[int, ...] | None:
     """Return the version of the system's Python, if that has the library."""
     ask = f"import {library}, sys; print(*sys.version_info[:2])"
     try:
-        told = subprocess.run([_SYSTEM, "-c", ask], capture_output=True, text=True, timeout=_ANSWER)
+        told = subprocess.run(  # not in the current folder, where a module may have such a name
+            [_SYSTEM, "-c", ask], cwd=os.sep, capture_output=True, text=True, timeout=_ANSWER
+        )
         return tuple(map(int, told.stdout.split())) or None
     except (OSError, ValueError, subprocess.SubprocessError):
         return None
