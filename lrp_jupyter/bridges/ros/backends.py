@@ -32,6 +32,10 @@ _LIBRARIES: Mapping[str, str] = {
     "rclpy": "rclpy",
     "dds": "cyclonedds",
 }
+_INSTALL: Mapping[str, str] = {
+    "rosbridge": ' (`pip install "lrp-jupyter[ros]"`)',
+    "dds": ' (`pip install "lrp-jupyter[ros2]"`)',
+}
 
 BACKENDS = (*_LIBRARIES,)
 """The back ends, in the order in which they are asked."""
@@ -151,7 +155,9 @@ def _choose_by_setting(domain: int | None, complaints: list[str]) -> Choice | No
 def _lack(backend: str) -> str:
     """Return what a back end lacks here, or an empty text."""
     if backend == "dds":
-        return "" if _is_installed(backend) else 'DDS is not installed: `pip install "lrp-jupyter[ros2]"`.'
+        return (
+            "" if _is_installed(backend) else f"`{_LIBRARIES[backend]}` is not installed{_INSTALL[backend]}."
+        )
     return lacks_library(backend)
 
 
@@ -164,7 +170,7 @@ def _choose_by_answer(
         if (host or port) and backend not in _PORTS:
             continue
         if not _is_installed(backend):
-            missing.append(f"`{_LIBRARIES[backend]}`")
+            missing.append(f"`{_LIBRARIES[backend]}`{_INSTALL.get(backend, '')}")
             continue
         try:
             transport = make_transport(backend, host, port, lambda _complaint: None, domain)
@@ -183,7 +189,9 @@ def _choose_by_answer(
 
 def _is_installed(backend: str) -> bool:
     library = _LIBRARIES[backend]
-    return library in sys.modules or find_spec(library) is not None
+    if library in sys.modules:
+        return sys.modules[library] is not None
+    return find_spec(library) is not None
 
 
 def _import_dds() -> Callable[..., Transport]:

@@ -158,7 +158,7 @@ def test_a_back_end_that_cannot_be_used_keeps_no_other_one_from_being_asked(
         choose_backend(AUTO)
     assert str(caught.value) == (
         "No ROS robot answers. dds: The back end `dds` needs two packages. Not asked, because Python cannot"
-        " import them here: `websockets`, `rospy`, `rclpy`."
+        ' import them here: `websockets` (`pip install "lrp-jupyter[ros]"`), `rospy`, `rclpy`.'
     )
 
 
