@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sys
 import xmlrpc.client
@@ -11,26 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from bridges.ros.conftest import HERE
 from support.waiting import until
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
+DOCUMENTED = HERE.parents[2] / "notebooks" / "ros"
 FILES = {
-    "package.xml": """
-        <package format="2">
-          <name>behaviour</name> <version>1.0.0</version> <description>Drives.</description>
-          <maintainer email="me@example.org">me</maintainer> <license>MIT</license>
-        </package>
-    """,
-    "behaviour.launch": """
-        <launch>
-          <group ns="robot1">
-            <remap from="cmd_vel" to="/cmd_vel"/>
-            <node name="behaviour" pkg="behaviour" type="lrp" respawn="true" output="screen"
-                  args="run $(find behaviour)/drive.lrp --bridge ros -o setup=$(find behaviour)/robot.json"/>
-          </group>
-        </launch>
-    """,
     "drive.lrp": "(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)",
     "robot.json": json.dumps({"publishers": {"move": {"topic": "cmd_vel", "type": "geometry_msgs/Twist"}}}),
     "lrp": f"""#!{sys.executable}
@@ -50,8 +38,10 @@ def workspace(tmp_path: Path) -> Path:
     """A folder with a package."""
     package = tmp_path / "behaviour"
     package.mkdir()
+    for name in ("package.xml", "behaviour.launch"):
+        shutil.copy(DOCUMENTED / name, package)
     for name, text in FILES.items():
-        (package / name).write_text(text.strip())
+        (package / name).write_text(text)
     (package / "lrp").chmod(0o755)
     return tmp_path
 
@@ -73,13 +63,20 @@ def test_a_launch_file_names_remaps_starts_again_and_ends_a_program(
         with xmlrpc.client.ServerProxy(master.lookupNode("/robot1/behaviour")) as node:
             return int(node.getPid("/tests")[2])
 
-    wheels: list[str] = real.lines(real.start_robot(world="empty"))
+    robot = (sys.executable, str(HERE / "robot_node.py"), "1", "empty", "/cmd_vel:=/base/cmd_vel")
+    wheels: list[str] = real.lines(real.start(*robot, ready=True))
     launch = workspace / "behaviour" / "behaviour.launch"
-    command = ("/usr/bin/env", f"ROS_PACKAGE_PATH={workspace}", "/usr/bin/roslaunch", str(launch))
+    command = (
+        "/usr/bin/env",
+        f"ROS_PACKAGE_PATH={workspace}",
+        "/usr/bin/roslaunch",
+        str(launch),
+        "program:=drive",
+    )
     roslaunch = real.start(sys.executable, "-c", TERMINAL, *command)
     printed: list[str] = real.lines(roslaunch)
     until(moves, lambda: printed)
-    assert "/robot1/behaviour" in dict(master.getSystemState()[0])["/cmd_vel"]
+    assert "/robot1/behaviour" in dict(master.getSystemState()[0])["/base/cmd_vel"]
 
     first = pid()
     os.kill(first, signal.SIGKILL)
