@@ -24,7 +24,7 @@ from lrp_jupyter.bridges.ros.outlets import Outlet
 from lrp_jupyter.bridges.ros.parameters import ParameterValues
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
-from lrp_jupyter.bridges.ros.types import RosMessage, Types
+from lrp_jupyter.bridges.ros.types import VELOCITIES, RosMessage, Types
 from lrp_jupyter.errors import BridgeError, LRPError, NoAnswerError, did_you_mean, ended
 
 GUARD_NODE = "lrp_guard"
@@ -425,7 +425,8 @@ class TopicLink(Link):
             return ""
         name = topic.rpartition("/")[2]
         alike = [each for each in topics if each != topic and each.rpartition("/")[2] == name]
-        alike += [each for each in topics if topics[each] == channel.type and each not in (topic, *alike)]
+        if channel.type in VELOCITIES:  # a number may be anything
+            alike += [each for each in topics if topics[each] == channel.type and each not in (topic, *alike)]
         heard = ((each, self._listeners(each)) for each in alike[:_ALIKE])
         found = next(((each, nodes[0]) for each, nodes in heard if nodes), None)
         hint = "" if found is None else ". Did you mean `{}`, to which `{}` subscribes?".format(*found)

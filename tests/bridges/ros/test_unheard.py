@@ -52,6 +52,10 @@ def test_a_velocity_that_no_node_hears_is_told_where_it_is_chosen_and_before_arm
     ros.publish("move", "/robot1/cmd_vel")
     until(lambda: ros.status.state is ConnectionState.CONNECTED)
     assert "subscribes" not in ros.failsafe
+    graph.types["/volume"] = "std_msgs/Float64"
+    graph.others |= {"/volume"}
+    ros.publish("wheel", "/wheel", "std_msgs/Float64", velocity=True)
+    until(lambda: "no other node subscribes to `/wheel`. Back end" in ros.status.sentence)
 
 
 def test_without_rosapi_it_is_not_known_who_hears_a_velocity(
