@@ -522,7 +522,7 @@ class RosBridge(Bridge):
     def stop_mover(self, mover: str) -> None:
         """Publish a zero where the program gives no more velocities; what else it drives goes on."""
         velocities = {each.wire.topic: each for each in self.wiring.channels if each.is_velocity}
-        if len(velocities) > 1:
+        if len(velocities) > 1 and mover in velocities:
             with contextlib.suppress(BridgeError):
                 self.wiring.stop(velocities[mover], ())
                 self.safety.moving(mover, False, mover)
@@ -602,8 +602,11 @@ class RosBridge(Bridge):
 
     def act(self, now: float) -> None:
         """Mark the end of the tick, and publish what the set-up says is published in each."""
-        self._in_tick = 0
-        for channel in self.wiring.channels:
+        self._in_tick, channels = 0, self.wiring.channels
+        gone = self.safety.motion.keys() - {"", *(each.wire.topic for each in channels if each.is_velocity)}
+        for mover in gone:  # it was stopped when it was disconnected
+            self.safety.moving(mover, False, mover)
+        for channel in channels:
             if channel.wire.at_tick is not None and self.safety.armed:
                 self.wiring.say_in_tick(channel)
 

@@ -66,6 +66,31 @@ def test_each_of_two_velocities_is_watched_limited_and_stopped(make: Make, graph
     assert any("Put `left` into `running`" in notice.text for notice in ros.safety.notices)
 
 
+def test_one_of_three_that_is_disconnected_while_it_moves_is_stopped_and_watched_no_more(
+    make: Make, graph: Any
+) -> None:
+    graph.others |= {"/a", "/b", "/c", "/d"}
+    each = {"type": FLOAT, "velocity": True}
+    ros = make(setup={"publishers": {name: {"topic": f"/{name}", **each} for name in "abc"}})
+    ros.open()
+    ros.arm()
+    ros.begin_tick(0.0, 0.1)
+    for name in "abc":
+        getattr(ros.robot, name)(data=1)
+    ros.end_tick(0.0)
+    ros.remove("a")
+    ros.publish("b", "/d", FLOAT, velocity=True)
+    ros.begin_tick(1.0, 0.1)
+    ros.robot.b(data=1)
+    ros.end_tick(1.0)
+    until(lambda: ("/c", {"data": 0.0}) in graph.heard)
+    assert {topic for topic, values in graph.heard if not values["data"]} == {"/a", "/b", "/c"}
+    assert ros.safety.motion.keys() == {"/d"}
+    assert [notice.text for notice in ros.safety.notices if notice.kind == "command watchdog"] == [
+        "No command for 0.5 s. Put `c` into `running`."
+    ]
+
+
 def test_what_is_no_velocity_although_its_type_is_one_is_left_alone(make: Make, graph: Any) -> None:
     ros = make(setup={"publishers": {"feel": {"topic": "/haptic", "type": "geometry_msgs/Twist"}}})
     ros.open()
