@@ -672,12 +672,14 @@ class RosBridge(Bridge):
         link, is_open = self.wiring.link, self._wants_sim_time is None
         if self._time is not None:
             return self._time, *self.wiring.all_channels
-        if link is not None and link.has_sim_time:
+        if link is None or not link.live:  # the robot is not found yet
+            return self.wiring.all_channels
+        if link.has_sim_time:
             reason = f"`{SIM_TIME}`" if is_open else "`sim_time`"
             self._time = ClockChannel(SimTime(self._went_back), reason)
             link.transport.clock.world = self._time.time
             return self._channels()
-        if link is not None and is_open and CLOCK_TOPIC in self.topics and link.transport.taken(CLOCK_TOPIC):
+        if is_open and CLOCK_TOPIC in self.topics and link.transport.taken(CLOCK_TOPIC):
             text = (
                 f"There is a time on `{CLOCK_TOPIC}`, but this program goes by that of its computer. If the"
                 f" robot is simulated, or a bag is played, set `sim_time=true` (in ROS 1, `{SIM_TIME}`)."

@@ -5,12 +5,14 @@ from __future__ import annotations
 import platform
 import re
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 from bridges.ros import rclpy_stand_in
+from support.ports import free_port
 from support.waiting import until
 
 from lrp_jupyter.bridges.ros import RosBridge, backends, client_libraries
@@ -174,6 +176,18 @@ def test_a_new_address_is_asked_who_answers_there(server: Any, serve: Callable[.
     other = serve()
     bridge.answer("host", f"127.0.0.1:{other.port}")
     until(lambda: f"because `ws://127.0.0.1:{other.port}` answers" in bridge.connected_by)
+    bridge.close()
+
+
+def test_a_robot_whose_time_is_simulated_is_waited_for_too(serve: Callable[..., Any]) -> None:
+    port = free_port()
+    bridge = RosBridge(host="127.0.0.1", port=port, patience="inf", sim_time=True)
+    opening = threading.Thread(target=bridge.open)
+    opening.start()
+    until(lambda: "Waiting for the robot: No ROS robot answers" in bridge.status.sentence)
+    serve(port)
+    opening.join()
+    assert "`sim_time` is set, and no time arrives" in bridge.status.sentence
     bridge.close()
 
 
