@@ -354,7 +354,7 @@ class TopicLink(Link):
             self._is_slow = False
 
     def _connect_channel(self, channel: Channel) -> None:
-        wire = channel.wire
+        wire, channel.clock = channel.wire, self.transport.clock
         if wire.kind != "topic" and not self.transport.has_tasks:
             raise RefusedError(
                 f"`{wire.topic}` cannot be connected: this back end has topics only. Use `rosbridge` for"
@@ -389,7 +389,6 @@ class TopicLink(Link):
         channel.learn(self.types, messages)
         check_sent(channel)
         self._learned(channel)
-        channel.clock = self.transport.clock
         channel.stamps = Stamps(channel.clock)
         channel.live = True  # before joining: a latched message arrives while we do
         if wire.direction in TASKS:

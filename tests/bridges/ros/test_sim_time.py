@@ -166,6 +166,16 @@ class TestRos1:
         assert stamps[-1] == 102_500_000_000
         assert set(stamps) <= {100 * 10**9, 100_500_000_000, 102 * 10**9, 102_125_000_000, 102_500_000_000}
 
+    def test_the_age_of_a_parameter_is_in_it(self, world: World, connect: Connect) -> None:
+        import rosgraph
+
+        rosgraph.Master("/tests").setParam("/limit", 0.5)
+        text = "(var ages := [()]) (machine m (state s (running [ages += (robot.limit.age,)]))) (spawn m s)"
+        with Session(text, connect(setup={"parameters": {"limit": "/limit"}})) as session:
+            session.start()
+            world.go(session, 100.0, 101.5, 130.0)
+            assert session.variables["ages"] == pytest.approx((0.0, 1.5, 30.0))
+
     def test_where_time_stands_the_robot_is_stopped_by_that_of_the_wall(
         self, world: World, connect: Connect
     ) -> None:
