@@ -733,7 +733,7 @@ class RosBridge(Bridge):
     @property
     def unreached(self) -> str:
         """Why a run that ends now did not have its robot, a sentence; empty: it had."""
-        channels = self.wiring.channels
+        channels = self.wiring.all_channels
         if channels and not any(channel.has_worked or channel.works for channel in channels):
             return f"Nothing of the robot ever worked. {self.status.sentence}"
         return super().unreached

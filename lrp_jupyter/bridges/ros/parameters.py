@@ -1,4 +1,4 @@
-"""ParameterValues as readings: of the parameter server of ROS 1, and of the nodes of ROS 2.
+"""Parameters as readings: of the parameter server of ROS 1, and of the nodes of ROS 2.
 
 They are asked for again and again, and a change is seen when the next answer comes.
 

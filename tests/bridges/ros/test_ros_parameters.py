@@ -63,6 +63,8 @@ def test_a_program_follows_a_parameter_and_the_run_is_repeated(
     ros.parameter("speed", "/max_speed")
     ros.parameter("limits", "limits")
     ros.parameter("left", "/limits/wheel/left")
+    until(lambda: value(ros, "speed"))
+    assert not ros.unreached, "the robot was there"
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     until(lambda: value(ros, "speed") == 0.5 and value(ros, "limits") and value(ros, "left"))
     limits: Any = ros.robot.limits
