@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -28,18 +28,22 @@ _SWITCHED_OFF = (
     " Python, or `never` as **Too old after** in the panel."
 )
 
+_STATIC = "_static"  # how the name of a topic ends that has the static transforms beside those of another
+
 
 class Channel:
     """A wire with the state of its connection.
 
-    `name`: the global name of what it is wired to.
-    `tree`: of what arrives, if that is static transforms.
+    `resolve`: returns the global name that a name means.
+    `tree`: of what arrives, if that is static transforms beside others.
     """
 
-    def __init__(self, wire: Wire, name: str = "", tree: TransformTree | None = None) -> None:
+    def __init__(
+        self, wire: Wire, resolve: Callable[[str], str] = str, tree: TransformTree | None = None
+    ) -> None:
         self.written = wire  # as the set-up has it
-        self.wire = replace(wire, topic=name) if name else wire
-        self.is_static = tree is not None  # of transforms that are published once, if there are any
+        self.wire = replace(wire, topic=resolve(wire.topic))
+        self._resolve = resolve
         self.tree = tree  # of what arrives, if that is transforms
         self.static: Channel | None = None  # their other topic
         self.form: Form | None = None  # decodes messages or results, if the type is known
@@ -74,8 +78,15 @@ class Channel:
         self.type = type_
         if type_ == TRANSFORMS and self.wire.direction == "subscription" and self.tree is None:
             self.tree = TransformTree()
-            static = replace(self.wire, topic=f"{self.wire.topic}_static", type=type_, stale_after=None)
-            self.static = Channel(static, tree=self.tree)
+            if not self.is_static:
+                topic = f"{self.written.topic}{_STATIC}"
+                static = replace(self.written, topic=topic, type=type_, stale_after=None)
+                self.static = Channel(static, self._resolve, self.tree)
+
+    @property
+    def is_static(self) -> bool:
+        """Whether transforms arrive that are published once, if there are any."""
+        return self.tree is not None and self.written.topic.endswith(_STATIC)
 
     @property
     def takes_all(self) -> bool:
@@ -99,7 +110,7 @@ class Channel:
     @property
     def works(self) -> bool:
         """Whether a message has arrived, or one can be sent to whoever is there."""
-        if self.wire.direction == "subscription":
+        if self.wire.is_read:
             return self.latest is not None
         return self.handle is not None and not (self.problem or self.waiting)
 

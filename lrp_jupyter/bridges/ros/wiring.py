@@ -163,7 +163,7 @@ class Wiring:
             return old.written if old is not None else None, channel
 
     def _channel(self, wire: Wire) -> Channel:
-        return Channel(wire, self.names.resolve(wire.topic))
+        return Channel(wire, self.names.resolve)
 
     def _remove(self, channel: Channel) -> None:
         self._release(channel)

@@ -172,6 +172,17 @@ def test_the_setup_keeps_what_was_written_and_the_robot_and_the_guard_get_what_i
     assert RosBridge(**guard.arguments).names.remappings == {}
 
 
+def test_static_transforms_are_where_the_remapping_rules_say() -> None:
+    frames = {"subscriptions": {"tf": "tf", "fixed": "tf_static"}}
+    for rules, topics in (
+        ("", ("/robot1/tf", "/robot1/tf_static", "/robot1/tf_static")),
+        ("tf:=/tf tf_static:=/tf_static", ("/tf", "/tf_static", "/tf_static")),
+        ("/tf_static:=x", ("/robot1/tf", "/robot1/tf_static", "/robot1/tf_static")),
+    ):
+        ros = RosBridge(namespace="robot1", remap=rules, setup=frames)
+        assert tuple(each.wire.topic for each in ros.wiring.all_channels) == topics
+
+
 def test_a_node_of_ros_2_has_the_name_and_the_namespace(monkeypatch: pytest.MonkeyPatch) -> None:
     graph = rclpy_stand_in.install(monkeypatch)
     bridge = RosBridge("rclpy", node="me", namespace="/robot1", setup=RELATIVE)
