@@ -296,5 +296,10 @@ def _whole_class(type_: str, direction: str) -> Any:
 
 
 def _fields(type_: str) -> dict[str, FieldType]:
-    kinds = _class_of(type_).get_fields_and_field_types()
+    try:
+        kinds = _class_of(type_).get_fields_and_field_types()
+    except AttributeError:
+        raise RefusedError(
+            f"`{type_}` is that of ROS 1 here. Start in a shell in which only ROS 2 is set up."
+        ) from None
     return {name: parse_field(kind) for name, kind in kinds.items()}

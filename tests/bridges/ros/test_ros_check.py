@@ -127,6 +127,12 @@ def test_the_fields_are_those_of_the_installed_packages_of_ros_1(ros_home: Any, 
     assert list(check("pass", "robot.odom.header.stamp.sec > 1", "backend=rospy")) == ["LRP520"]
 
 
+@pytest.mark.ros
+@pytest.mark.usefixtures("ros_home")
+def test_packages_of_ros_1_say_nothing_of_ros_2(check: Check) -> None:
+    assert check("robot.drive_to(x=1.0)", "robot.odom.header.stamp.sec > 1", "backend=rclpy") == {}
+
+
 @pytest.mark.parametrize(
     ("setup", "message"),
     [
