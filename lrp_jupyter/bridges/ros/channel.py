@@ -196,7 +196,7 @@ class Channel:
         arrived = self.clock.now() if at is None or self.clock.world is not None else at
         try:
             if self.tree is not None:
-                self.tree.put(value, arrived, self.is_static)
+                self.tree.put(value, arrived, self.is_static, self.motion)
             self.problem = ""
         except ValueError as error:
             self.problem = f"A message on `{self.wire.topic}` was not taken as a whole: {error}"
@@ -224,7 +224,13 @@ class Channel:
         self.arrivals.last = None
         if self.tree is not None:
             self.tree.forget(self.is_static)
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """Count the silence that begins as no pause of the topic."""
         self.rhythm.interrupt()
+        if self.tree is not None:
+            self.tree.interrupt()
 
     def age(self, in_tick: bool = False) -> float | None:
         """Return the seconds since the last message was made or sent; None before the first.

@@ -288,7 +288,7 @@ class TopicLink(Link):
         trouble = self.transport.trouble()
         if trouble:
             for channel in self._channels:
-                channel.rhythm.interrupt()
+                channel.interrupt()
             self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
         topics = self.transport.topics()

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.member_tree import AgeLimit
-from lrp_jupyter.bridges.ros.rhythm import Rhythm
+from lrp_jupyter.bridges.ros.rhythm import Motion, Rhythm
 from lrp_jupyter.errors import BridgeError, NoDataYet, StaleData, did_you_mean
 
 TRANSFORMS = "tf2_msgs/TFMessage"
@@ -26,6 +26,7 @@ TF_TOPICS = ("tf", "tf_static")
 _SMALL = 0.01  # by which the length of a quaternion may differ from 1
 _LATELY = 1.0  # seconds for which what a program has asked for counts
 _SHOWN = 20  # frames that a sentence lists
+_RESTS = Motion()  # of a robot that never moves
 
 
 class Translation(NamedTuple):
@@ -141,8 +142,11 @@ class TransformTree:
         self._latched: Mapping[str, _Link] = {}
         self._asked: dict[str, float] = {}  # the frames on the ways that ticks have asked for, and when
 
-    def put(self, message: Any, at: float, is_static: bool) -> None:
-        """Take the transforms of a message; ValueError: one of them is none, and the others are taken."""
+    def put(self, message: Any, at: float, is_static: bool, motion: Motion = _RESTS) -> None:
+        """Take the transforms of a message; ValueError: one of them is none, and the others are taken.
+
+        `motion`: of the robot, with which transforms may cease.
+        """
         wrong, found = "", dict[str, _Link]()
         with self._lock:
             for each in message.transforms:
@@ -154,7 +158,7 @@ class TransformTree:
                     before = self._links.get(frame)
                     rhythm = None if is_static else (before and before.rhythm) or Rhythm()
                     if rhythm is not None:
-                        rhythm.note(at)
+                        rhythm.note(at, has_reason=motion.excused(rhythm.last) > 0)
                     found[frame] = _Link(frame, parent, pose, at, rhythm)
             self._links = {**self._links, **found}
         if wrong:
@@ -166,6 +170,12 @@ class TransformTree:
             self._links = {
                 name: each for name, each in self._links.items() if (each.rhythm is None) != is_static
             }
+
+    def interrupt(self) -> None:
+        """Count the silence that begins as no pause of the transforms."""
+        for each in self._links.values():
+            if each.rhythm is not None:
+                each.rhythm.interrupt()
 
     def latch(self) -> None:
         """Hold what there is for the tick that begins."""

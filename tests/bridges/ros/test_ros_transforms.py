@@ -168,6 +168,32 @@ def test_one_that_came_steadily_and_ceases_is_stale_unless_it_is_switched_off() 
     assert ours.lookup("map", "laser", 20.0, True, never.limit_of).age == pytest.approx(10.1)
 
 
+def test_a_silence_of_transforms_that_has_a_reason_is_no_pause() -> None:
+    channel = Channel(Wire("tf", "subscription", "/tf"))
+    ours, motion = channel.tree, channel.motion
+    assert ours is not None
+
+    def come(first: float, last: float) -> None:
+        for tenth in range(round(first * 10), round(last * 10)):
+            ours.put(message(("odom", "base", *PLAIN)), tenth / 10, False, motion)
+
+    def limit(now: float) -> float | None:
+        ours.latch()
+        ours.lookup("odom", "base", now, True)
+        return ours.oldest(now, channel.limit_of)[1].seconds
+
+    motion.note(True, 0.0)
+    come(0.0, 10.0)
+    assert limit(10.0) == pytest.approx(1.2)
+    motion.note(False, 10.0)
+    motion.note(True, 70.0)
+    come(70.1, 71.0)
+    assert limit(71.0) == pytest.approx(1.2), "it had ceased with the robot"
+    channel.interrupt()  # the robot cannot be reached
+    come(131.0, 132.0)
+    assert limit(132.0) == pytest.approx(1.2)
+
+
 def test_a_program_that_asks_for_frames_is_checked_by_its_set_up() -> None:
     ros = RosBridge(setup={"subscriptions": {"tf": {"topic": "/tf"}}})
     asked = FAR.replace(".x > 2", ".x > robot.tf.age")
