@@ -29,6 +29,13 @@ class RobotArmed:
 
 
 @dataclass(frozen=True, slots=True)
+class MembersChanged:
+    """The robot has other members from the next tick on: their descriptions, as in a recording."""
+
+    members: tuple[Mapping[str, Any], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class RobotCommanded:
     """A command was given by hand: the method's name, and its arguments as they were after limits."""
 

@@ -52,6 +52,12 @@ class RecordedBridge(Bridge, offered=False):
                 made.redirect(partial(self._answer, made))
                 self.nodes.add(made)
 
+    def become(self, members: Iterable[RobotVariable | RobotMethod]) -> None:
+        """Have other members, as the recorded robot has them from now on."""
+        self._recorded = tuple(members)
+        self.nodes.clear()
+        self.add_members()
+
     def open_interface(self) -> None:
         """Connect nothing."""
 

@@ -10,6 +10,8 @@ from inspect import Parameter
 from time import monotonic
 from typing import Any
 
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.interventions import MembersChanged
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.bridges.tasks import RobotTask
@@ -54,6 +56,8 @@ class Recorder(Trace):
         self._loop = loop
         self._failure: Exception | None = None
         self._ahead = math.inf  # the seconds by which the robot's clock is ahead of the time of the run
+        self._table = loop.bridge.nodes.table
+        self._members = [] if start is None else start.members  # as they were written last
         self._code = None if start is None else RecordedCode()
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
@@ -99,12 +103,24 @@ class Recorder(Trace):
             self._keep(self._looks.popleft().line)
 
     def _input(self, entry: Input) -> None:
+        self._write_members(entry.tick, entry.time)
         wall = {"wall": self._wall} if self._looking else {}
         when = {"tick": entry.tick, "time": entry.time, **wall}
         self._keep(lambda: {**when, **input_line(entry.what, self._loop)})
 
     def _tick(self) -> None:
+        self._write_members(self._loop.interpreter.tick - 1, self._loop.record.moments[-1].time)
         self._keep(self._readings)
+
+    def _write_members(self, tick: int, time: float) -> None:
+        """Write which members the robot has, if they are others than before."""
+        table, bridge = self._loop.bridge.nodes.table, self._loop.bridge
+        if self._code is None or table is self._table or bridge.simulated is not None:
+            return
+        self._table, before, self._members = table, self._members, described_members(bridge)
+        if self._members != before:
+            changed = MembersChanged(tuple(self._members))
+            self._keep(lambda: {"tick": tick, "time": time, **input_line(changed, self._loop)})
 
     def _readings(self) -> Line:
         record, bridge = self._loop.record, self._loop.bridge
@@ -139,7 +155,7 @@ def start_of(loop: Loop, seed: int | None = None, initials: Mapping[str, str] | 
     """Return the start of a session that has not ticked yet."""
     interpreter, bridge = loop.interpreter, loop.bridge
     world = None if bridge.simulated is None else bridge.simulated.world_form()
-    members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
+    members = [] if world is not None else described_members(bridge)
     namespace = interpreter.namespace
     names = sorted(name for name in loop.record.names_used() if name in namespace)
     values = {name: literal(namespace[name]) for name in names if type(namespace[name]) in COPIED}
@@ -159,6 +175,11 @@ def start_of(loop: Loop, seed: int | None = None, initials: Mapping[str, str] | 
         bridge.safety.armed,
         datetime.now().astimezone().isoformat(timespec="milliseconds"),
     )
+
+
+def described_members(bridge: Bridge) -> list[Line]:
+    """Describe the members of a robot."""
+    return [_member(node) for node in bridge.nodes.members()]
 
 
 def _member(node: RobotVariable | RobotMethod) -> Line:

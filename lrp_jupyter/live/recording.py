@@ -54,7 +54,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.bridges.interventions import CommandsHeld
+from lrp_jupyter.bridges.interventions import CommandsHeld, MembersChanged
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import FileError, UnknownElementError, sentence_of
@@ -87,8 +87,8 @@ _LONGEST_PROGRAM = 1_000_000  # characters
 
 Line = dict[str, Any]
 
-_OF_THE_RUN = ("rest", "hold")
-"""Inputs that come from the run itself: it ended, or commands were held back."""
+_OF_THE_RUN = ("rest", "hold", "members")
+"""Inputs that no person has made: the run ended, commands were held back, the robot has other members."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,7 +235,7 @@ def read_recording(
                     looks.append(Look(tick, time, float(line["wall"]), "input", str(line["input"])))
                 what = input_of(line, partial(_program, start=start, prepared=prepared))
                 entries.append(Input(number, tick, time, what))
-                if not isinstance(what, CommandsHeld):  # which is written in the middle of its tick
+                if not isinstance(what, (CommandsHeld, MembersChanged)):  # they are written in their tick
                     complete = len(followed)
                 continue
             if "clock" in line:

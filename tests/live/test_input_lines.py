@@ -6,6 +6,7 @@ import pytest
 
 from lrp_jupyter.bridges.interventions import (
     CommandsHeld,
+    MembersChanged,
     RobotArmed,
     RobotCommanded,
     RobotStopped,
@@ -48,6 +49,7 @@ EXAMPLES = [
     RobotStopped(),
     RobotArmed(True),
     CommandsHeld(2, lost="The robot does not answer."),
+    MembersChanged(({"name": "light", "kind": "variable", "unit": "", "doc": ""},)),
     RobotCommanded("move", {"linear": 0.5, "way": (1, 2)}),
     WorldLoaded(load("line").to_dict()),
     PlaceRobot((0.5, 1.0, 0.0), 1),

@@ -358,6 +358,28 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
     assert other.difference.tick == 7
 
 
+def test_members_that_a_robot_gets_and_loses_in_a_run_are_those_of_its_replay(tmp_path):
+    path = tmp_path / "run.lrplog"
+    text = "(machine m (state go (running [robot.honk(2)] [robot.light] [robot.move(linear=robot.light)])))"
+    with Session(f"{text} (spawn m go)", Rover, clock=VirtualClock()) as session, session.record(path):
+        bridge = session.bridge
+        bridge.arm()
+        session.run(0.3)
+        bridge.add_method("honk", lambda times: times)
+        bridge.add_variable("light", lambda: bridge.now)
+        bridge.robot.honk(1)
+        session.run(0.3)
+        bridge.remove_member("light")
+        session.run(0.3)
+        issues = [(issue.message, issue.count) for issue in session.issues]
+        commands = [each.arguments for each in bridge.safety.commands]
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert [(issue.message, issue.count) for issue in again.session.issues] == issues
+    assert len(issues) == 3
+    assert [each.arguments for each in again.session.bridge.safety.commands] == commands
+
+
 @pytest.mark.parametrize("robot", [Rover, "sim"])
 def test_a_replay_tells_as_often_that_a_pause_has_stopped_the_robot(tmp_path, robot):
     path = tmp_path / "run.lrplog"

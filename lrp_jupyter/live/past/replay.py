@@ -11,8 +11,14 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import nullcontext, suppress
 from typing import NamedTuple
 
-from lrp_jupyter.bridges.interventions import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped
-from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.bridges.interventions import (
+    CommandsHeld,
+    MembersChanged,
+    RobotArmed,
+    RobotCommanded,
+    RobotStopped,
+)
+from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path
@@ -22,6 +28,7 @@ from lrp_jupyter.live.running.commands import Rename, ReplaceProgram
 from lrp_jupyter.live.running.inbox import Command
 from lrp_jupyter.live.running.inputs import Input, Rewound
 from lrp_jupyter.live.running.loop import Loop
+from lrp_jupyter.live.stored.json_values import unplain
 
 
 class Ticked(NamedTuple):
@@ -102,6 +109,9 @@ def _apply(loop: Loop, what: object) -> None:
             loop.settle_as(checkpoint)
         case CommandsHeld():
             bridge.safety.again = what
+        case MembersChanged(members):
+            if isinstance(bridge, RecordedBridge):
+                bridge.become(recorded_members(members, unplain))
         case RobotCommanded(name, arguments):
             bridge.nodes.table[name](**arguments)  # type: ignore[operator]
         case _ if bridge.simulated is not None:

@@ -10,6 +10,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.interventions import (
     CommandsHeld,
+    MembersChanged,
     RobotArmed,
     RobotCommanded,
     RobotStopped,
@@ -51,6 +52,7 @@ INPUTS: dict[str, type] = {
     "stop": RobotStopped,
     "arm": RobotArmed,
     "hold": CommandsHeld,
+    "members": MembersChanged,
     "command": RobotCommanded,
     "world": WorldLoaded,
     "place": PlaceRobot,
