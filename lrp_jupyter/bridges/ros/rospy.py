@@ -132,11 +132,11 @@ class RospyTransport(Transport):
         return self._others(topic, 1)
 
     def _others(self, topic: str, section: int) -> tuple[str, ...]:
-        """Return the other nodes that publish (section 0) or subscribe (1), and answer."""
+        """Return the other nodes that published (section 0) or subscribed (1) a moment ago, and answer."""
         own = _rospy().get_name()
         return tuple(
             str(node)
-            for name, nodes in self._master.ask("getSystemState")[section]
+            for name, nodes in self._system[section]
             if name == topic
             for node in nodes
             if node != own and self._answers(str(node))
