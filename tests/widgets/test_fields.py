@@ -3,6 +3,7 @@
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.member_tree import RobotVariable
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.widgets.acts.editor_questions import arguments_of, fields_of
@@ -52,6 +53,13 @@ def test_a_part_of_the_robot_has_its_members_with_their_values(far):
     data, new, age = fields_of(far, "robot.light")
     assert (data["label"], data["detail"], data["info"]) == ("data", "7", "0 dark")
     assert (new["label"], new["detail"], age["label"], age["detail"]) == ("new", "tuple", "age", "float")
+
+
+def test_a_method_has_what_accompanies_it(far):
+    age = RobotVariable(far, "motor.turn.age", float, "", "s", float, None, None, "motor.turn")
+    far.nodes.accompany("motor.turn", age)
+    assert labels(fields_of(far, "robot.motor.turn")) == ["age"]
+    assert fields_of(far, "robot.motor.turn.age") == fields_of(far, "robot.move") == []
 
 
 def test_the_message_of_a_command_has_the_fields_of_its_type(far):

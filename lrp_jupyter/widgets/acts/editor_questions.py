@@ -455,9 +455,11 @@ def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
                 asked = next((each.fields for each in asked or () if each.name.endswith(f".{name}")), None)
             return None if asked is None else [_field(field) for field in asked]
         names = path.split(".")
-        if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names) + 1)):
+        if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names))):
             return []
-        return [_field(field) for field in bridge.describe(path).fields] or None
+        member = bridge.describe(path)
+        found = [_field(field) for field in member.fields]
+        return found if found or member.kind == "method" else None
     except LRPError:
         return None
 
