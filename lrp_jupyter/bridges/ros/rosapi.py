@@ -228,8 +228,8 @@ class Rosapi:
             return False
         if self.has_sim_time is None:
             question = {"name": SIM_TIME, "default": "false"}
-            answer = {} if self.is_ros2 else await self._try("/rosapi/get_param", **question)
-            self.has_sim_time = answer.get("value") == "true"
+            answer = {"value": ""} if self.is_ros2 else await self._try("/rosapi/get_param", **question)
+            self.has_sim_time = answer["value"] == "true" if "value" in answer else None
         await self._list_offers()
         unknown, wanted, doubted = self._unknown, self._wanted, self._doubted
         for direction, name in unknown:

@@ -15,7 +15,7 @@ import pytest
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros import RosBridge, rosapi
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
@@ -244,3 +244,16 @@ class TestRos1:
         ros = connect()
         until(lambda: "set `sim_time=true`" in texts(ros))
         assert ros.world_clock is None
+
+
+def test_a_rosapi_that_does_not_answer_has_not_said_that_time_is_real(
+    make: Connect, graph: Any, server: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rosapi, "_ANSWER", 0.1)
+    graph.parameters["/use_sim_time"] = True
+    server.hangs.add("get_param")
+    ros = make()
+    ros.open()
+    assert ros.world_clock is None
+    server.hangs.clear()
+    until(lambda: ros.world_clock is not None)
