@@ -151,6 +151,8 @@ class Bridge(Interface, ABC):
     complete : bool
         Whether `add_members` adds every member that there will be, so that a program which uses another one
         is wrong, and the checks say so before it runs.
+    alone : bool
+        Whether no person can add members, as on the command line: then a set-up names all of them.
     tells_why : bool
         Whether `tell` is also told why a transition fired.
     robot : Robot
@@ -160,6 +162,7 @@ class Bridge(Interface, ABC):
     """
 
     gone: str = ""
+    alone: bool = False
     tells_why: bool = False
     stops_when_found: ClassVar[bool] = False
     complete: ClassVar[bool] = False

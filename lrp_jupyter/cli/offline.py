@@ -54,7 +54,8 @@ def check_files(
     robot = None
     if bridge is not None:
         made = make_bridge(choose_bridge(bridge), **dict(pairs_of(options, "--option")))
-        robot = members_of(made, alone=True)
+        made.alone = True
+        robot = members_of(made)
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
     lines: list[dict[str, Any]] = []

@@ -641,6 +641,7 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
         refuse_options(kind, wanted.answers)  # before anything is opened
     options = {key: text for key, text in wanted.answers.items() if known is None or key in known}
     bridge = make_bridge(name, **options)
+    bridge.alone = True
     try:
         bridge.status_listener = _tell_waiting
         bridge.open()

@@ -64,14 +64,12 @@ def check(
     return checks.check(text_or_program, names, robot)
 
 
-def members_of(bridge: Bridge, alone: bool = False) -> RobotMembers:
+def members_of(bridge: Bridge) -> RobotMembers:
     """Return the members of a bridge's robot for the checks; the bridge need not be open.
 
     If its members are incomplete, the readings are left out because their types may change.
-
-    `alone`: whether no person can add members.
     """
-    complete = bridge.complete or (alone and bridge.check_set_up())
+    complete = bridge.complete or (bridge.alone and bridge.check_set_up())
     is_known = bridge.is_open or bool(bridge.nodes.table)
     if not is_known:
         bridge.add_members()

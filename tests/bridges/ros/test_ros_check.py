@@ -176,5 +176,7 @@ def test_a_session_knows_the_commands_before_it_is_opened_but_a_person_may_add_m
     with Session(text, ros) as session:
         assert [finding.code for finding in session.check(text)] == ["LRP521"]
     assert not members_of(ros).complete
-    assert members_of(ros, alone=True).complete
-    assert not members_of(RosBridge(), alone=True).complete
+    bare = RosBridge()
+    ros.alone = bare.alone = True
+    assert members_of(ros).complete
+    assert not members_of(bare).complete

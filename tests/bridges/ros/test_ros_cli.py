@@ -236,6 +236,16 @@ def test_a_run_says_in_a_line_that_no_node_hears_its_velocity(
     assert run.wait(180) == 130
 
 
+def test_a_run_names_what_is_not_in_its_set_up_before_the_state_that_uses_it(
+    server: Any, drive: Callable[..., Path]
+) -> None:
+    path = drive("(state c (running [robot.mov(linear=robot.lihgt.data)]))")
+    result = lrp("run", path, *on(server.port, "--option", f"setup={SETUP}"), "--for", 0.3)
+    assert result.exit_code == 0
+    assert "error LRP520: `robot` has no `mov`. Did you mean `move`?" in result.stdout
+    assert "error LRP520: `robot` has no `lihgt`. Did you mean `light`?" in result.stdout
+
+
 def test_a_reading_of_the_robot_ends_the_run(server: Any, graph: Any, drive: Callable[..., Path]) -> None:
     publish = graph.publish
 
