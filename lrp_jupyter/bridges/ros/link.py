@@ -10,7 +10,7 @@ Paper: §7.1 (subscriptions are the bridge's, not the program's, so a restart ma
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -25,7 +25,7 @@ from lrp_jupyter.bridges.ros.parameters import ParameterValues
 from lrp_jupyter.bridges.ros.ros_request import RosRequest, TaskClient
 from lrp_jupyter.bridges.ros.setup import TASKS, Direction, article
 from lrp_jupyter.bridges.ros.types import VELOCITIES, RosMessage, Types
-from lrp_jupyter.errors import BridgeError, LRPError, NoAnswerError, did_you_mean, ended
+from lrp_jupyter.errors import BridgeError, LRPError, NoAnswerError, did_you_mean, ended, most_similar
 
 GUARD_NODE = "lrp_guard"
 """Name of the nodes that only stop a robot."""
@@ -472,7 +472,7 @@ class TopicLink(Link):
             return (
                 f"`{self.transport.place}` does not tell which {wanted}s there are. Name the type of `{name}`"
             )
-        hint = did_you_mean(name, self.live[wanted])
+        hint = _meant(name, self.live[wanted])
         return f"`{name}` does not exist yet, and its type is not known.{hint}"
 
     def _pay_stop(self, channel: Channel, handle: Any) -> None:
@@ -556,6 +556,14 @@ class TopicLink(Link):
         if self._last_status != (state, sentence) and not self.is_ended:
             self._last_status = (state, sentence)
             self._report(state, sentence)
+
+
+def _meant(name: str, names: Iterable[str]) -> str:
+    """Return what may be meant, as `did_you_mean` does: the last part of a name counts first."""
+    inner = name.rpartition("/")[2]
+    known = {each: each.rpartition("/")[2] for each in names}
+    near = {inner} & set(known.values()) or set(most_similar(inner, known.values()))
+    return did_you_mean(name, [each for each in known if known[each] in near], 0.0)
 
 
 def check_sent(channel: Channel) -> None:

@@ -272,6 +272,20 @@ def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: An
     until(lambda: ("/horn", {"data": True}) in graph.heard)
 
 
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("/robot1/light", "/light"), ("/robot1/brightness", ""), ("/floor_light", "/light"), ("/lihgt", "/light")],
+)
+def test_a_topic_in_another_namespace_is_meant_before_one_that_is_spelled_alike(
+    ros: RosBridge, graph: Any, written: str, meant: str
+) -> None:
+    graph.types |= {"/robot1/lrp/state": "std_msgs/String"}
+    ros.subscribe("light", written)
+    hint = f" Did you mean `{meant}`?" if meant else ""
+    until(lambda: f"`{written}` does not exist yet, and its type is not known.{hint}" in ros.status.sentence)
+    assert bool(meant) == ("Did you mean" in ros.status.sentence)
+
+
 def test_who_waited_for_a_connection_finds_the_status_that_belongs_to_it(
     ros: RosBridge, monkeypatch: pytest.MonkeyPatch
 ) -> None:
