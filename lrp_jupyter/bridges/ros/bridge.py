@@ -409,7 +409,7 @@ class RosBridge(Bridge):
                     mover=wire.topic if channel.is_velocity else "",
                 )
         except ValueError as error:
-            raise BridgeError(str(error)) from error
+            raise BridgeError(f"`robot.{wire.variable}` cannot be connected: {error}") from error
 
     def _withdraw(self, variable: str) -> None:
         if variable in self.nodes.table:

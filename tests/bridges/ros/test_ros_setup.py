@@ -333,6 +333,12 @@ def test_a_removed_variable_is_gone(ros: RosBridge, graph: Any) -> None:
         ros.remove("odom")
 
 
+def test_of_two_names_that_exclude_each_other_the_second_one_is_named(make: Make) -> None:
+    ros = make(setup={"subscriptions": {"tf": "/tf", "tf.odom": "/odom"}})
+    with pytest.raises(BridgeError, match=r"`robot\.tf\.odom` cannot be connected: `tf` is already a member"):
+        ros.open()
+
+
 def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any) -> None:
     ros.subscribe("odom", "/odom")
     with pytest.raises(BridgeError, match="carries `std_msgs/UInt8`"):
