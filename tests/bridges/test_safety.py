@@ -283,6 +283,7 @@ def test_a_command_that_fails_is_none_and_the_watchdog_runs_out_again_and_again(
         robot.end_tick(number / 10)
         stops.append(len(robot.calls))
     assert stops == [0] * 5 + [1] * 6 + [2] * 4, "half a second after the first one, and so on"
+    assert texts(robot)[-1] == "No `move` has succeeded for 0.5 s."
 
 
 @pytest.mark.parametrize("error", [OSError("unplugged"), KeyboardInterrupt()], ids=["raises", "interrupted"])

@@ -402,13 +402,16 @@ class Safety:
 
     def commands_overdue(self, now: float) -> dict[str, str]:
         """Return the notices for the robots that move without new commands."""
-        if not self._moving:
-            return {}
         limit = patience(self.period)
+        overdue = [each for each in self._moving.items() if now - each[1][1] >= limit - _ROUNDING]
+        if not overdue:
+            return {}
+        last = {command.name: command.now for command in self.commands if command.sent}
         return {
-            mover: f"No command for {limit:g} s. Put `{name}` into `running`."
-            for mover, (name, since) in self._moving.items()
-            if now - since >= limit - _ROUNDING
+            mover: f"No `{name}` has succeeded for {limit:g} s."
+            if last.get(name, since) > since
+            else f"No command for {limit:g} s. Put `{name}` into `running`."
+            for mover, (name, since) in overdue
         }
 
     def tick_overdue(self, now: float) -> str | None:
