@@ -277,6 +277,8 @@ class TopicLink(Link):
             self.place = f"`{self._transport.place}`"
         self._transport.connect()
         self._described.clear()
+        for channel in self._wanted():
+            channel.problem = ""  # of the connection that was lost
         for channel in self._channels:
             self._leave(channel)
         for outlet in self._outlets:
@@ -550,6 +552,8 @@ class TopicLink(Link):
         if empty:
             return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet."
         remarks = "".join(channel.remark() for channel in self._channels)
+        if not self._channels:
+            remarks = " No topic is connected: name some in a set-up (`setup=robot.json`) or in the panel."
         return ConnectionState.CONNECTED, f"Connected to {self.transport.place}.{remarks}"
 
     def _report_change(self, state: ConnectionState, sentence: str) -> None:

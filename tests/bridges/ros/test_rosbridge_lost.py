@@ -193,6 +193,18 @@ def test_a_server_that_was_lost_gets_a_stop_and_no_old_command(
         until(lambda: session.frame.tick > 20)  # its loop goes on
 
 
+def test_what_is_missing_after_a_loss_is_the_topic_and_no_longer_the_server(
+    driver: RosBridge, wire: Any
+) -> None:
+    driver.subscribe("far", "/far")
+    port, wire.target = wire.target, 1
+    wire.cut()
+    until(lambda: driver.status.state is ConnectionState.LOST)
+    wire.target = port
+    until(lambda: "`robot.far`: `/far` does not exist yet" in driver.status.sentence)
+    assert fails(driver, "far") == ""
+
+
 def test_a_server_whose_master_dies_is_looked_for_in_steps_until_it_is_back(
     make: Make, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
