@@ -256,6 +256,7 @@ def test_the_type_of_a_live_topic_is_filled_in(ros: RosBridge) -> None:
 
 
 def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: Any) -> None:
+    assert "No topic is connected: name some in a set-up (`setup=robot.json`)" in ros.status.sentence
     ros.subscribe("far", "/far")
     ros.publish("horn", "/horn")
     assert ros.status.state is ConnectionState.WAITING
