@@ -346,6 +346,13 @@ def test_a_guard_that_fails_is_told_and_another_one_takes_its_place(robot, drive
     robot.is_stopped()
 
 
+def test_a_guard_that_comes_after_arming_says_who_stops_the_robot_now(robot, drive):
+    bridge = drive(None)
+    assert "Nothing stops the robot" in texts(bridge, "armed")[-1]
+    bridge.kind = Stopper(wheels.halt, {"port": port_of(robot)})
+    until(lambda: texts(bridge) == [bridge.guarded_by])
+
+
 def test_a_robot_whose_guard_cannot_be_replaced_is_stopped_and_disarmed(robot, drive, monkeypatch):
     bridge = drive(Stopper(wheels.halt, {"port": port_of(robot)}))
     bridge.robot.move(linear=0.3)

@@ -102,6 +102,10 @@ class Guarded(Protocol):
     def in_motion(self) -> bool:
         """Whether the robot may move by a command."""
 
+    @property
+    def failsafe(self) -> str:
+        """Who stops the robot when this program or this computer dies."""
+
     def stopper(self) -> Stopper | None:
         """Return how another process can stop the robot."""
 
@@ -229,6 +233,8 @@ class Guard:
         if self._stopper is None:
             self._guarded = None
         elif process is not None and process.reaches:
+            if self._guarded is None and threading.current_thread() is self._thread:
+                bridge.safety.notice("guard", bridge.failsafe)  # at arming it was another one
             self._guarded = time.monotonic()
         elif self._guarded is not None and time.monotonic() - self._guarded > _CONNECT:
             self._guarded = time.monotonic()
