@@ -43,7 +43,7 @@ class TestRosbridge(BridgeConformance):
 
     def make_bridge(self) -> Bridge:
         wires = {**FRESH, "subscriptions": {"light": FRESH["subscriptions"]["light"]}}
-        return RosBridge(backend="rosbridge", host="127.0.0.1", port=self.port, setup=wires)
+        return RosBridge("rosbridge", "127.0.0.1", self.port, wires, patience=self.open_within)
 
     def has_moved(self, bridge: Bridge) -> bool:
         return any(topic == "/cmd_vel" and moves(values) for topic, values in self.graph.heard)
@@ -82,7 +82,7 @@ class TestRospy(BridgeConformance):
 
     def make_bridge(self) -> Bridge:
         setup = {**FRESH, "actions": {"drive_to": "/move_base"}}
-        return RosBridge(backend="rospy", host="127.0.0.1", port=self.port, setup=setup)
+        return RosBridge("rospy", "127.0.0.1", self.port, setup, patience=self.open_within)
 
     def ask_a_little(self, bridge: Bridge) -> None:
         bridge.robot.drive_to(target_pose_pose_position_x=0.1)

@@ -162,7 +162,7 @@ def test_lamp(robot: Robot, behave: Callable[..., None]) -> None:
 
 
 def test_orders(robot: Robot, behave: Callable[..., None]) -> None:
-    orders = [f"order {number}" for number in range(20)]
+    orders = [f"order {number}" for number in range(8)]
     robot.hears("/receipt", STRING)
     behave("orders")
     robot.meets()

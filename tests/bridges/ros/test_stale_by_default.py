@@ -185,6 +185,7 @@ DRIVEN = """\
 
 
 @pytest.mark.ros
+@pytest.mark.parametrize("backend", ["rospy"])
 def test_an_odometry_that_rests_with_its_robot_holds_up_no_start_and_is_missed_on_the_way(
     real: Any, connect: Callable[..., RosBridge]
 ) -> None:
