@@ -36,6 +36,7 @@ class Wiring:
         self._offer, self._withdraw = offer, withdraw
         self._changing = threading.RLock()
         self._channels: dict[str, Channel] = {}
+        self._owing: list[Channel] = []  # that were removed while the robot was lost, and in motion
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -44,9 +45,10 @@ class Wiring:
 
     @property
     def all_channels(self) -> tuple[Channel, ...]:
-        """The channels, and those of static transforms beside them."""
+        """The channels, those of static transforms beside them, and removed ones until they are stopped."""
         static = (channel.static for channel in self.channels)
-        return (*self.channels, *(channel for channel in static if channel is not None))
+        owing = (channel for channel in self._owing if channel.owes_stop)
+        return (*self.channels, *(channel for channel in static if channel is not None), *owing)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the set-up in its JSON form."""
@@ -175,8 +177,11 @@ class Wiring:
     def _release(self, channel: Channel) -> None:
         """Stop what a channel has set in motion while the link still has it; it receives nothing more."""
         if channel.may_move:
-            with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
+            try:
                 self.stop(channel, channel.unfinished)
+            except BridgeError:  # it is lost: the link stops it as soon as it is found
+                channel.owes_stop = True
+                self._owing = [*(each for each in self._owing if each.owes_stop), channel]
         channel.forget()
         if channel.static is not None:
             channel.static.forget()

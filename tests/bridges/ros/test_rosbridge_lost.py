@@ -193,6 +193,24 @@ def test_a_server_that_was_lost_gets_a_stop_and_no_old_command(
         until(lambda: session.frame.tick > 20)  # its loop goes on
 
 
+def test_a_velocity_that_was_connected_elsewhere_during_a_loss_is_ended_where_it_was(
+    driver: RosBridge, graph: Any, wire: Any
+) -> None:
+    driver.robot.move(linear=0.1)
+    until(lambda: commands(graph) == [0.1])
+    port, wire.target = wire.target, 1
+    wire.cut()
+    until(lambda: driver.status.state is ConnectionState.LOST)
+    driver.publish("move", "/other/cmd_vel", "geometry_msgs/Twist")
+    wire.target = port
+    until(lambda: commands(graph) == [0.1, 0.0])
+    until(
+        lambda: (
+            [each.wire.topic for each in driver.wiring.all_channels if each.is_velocity] == ["/other/cmd_vel"]
+        )
+    )
+
+
 def test_what_is_missing_after_a_loss_is_the_topic_and_no_longer_the_server(
     driver: RosBridge, wire: Any
 ) -> None:
