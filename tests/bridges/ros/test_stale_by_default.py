@@ -140,20 +140,20 @@ def test_a_robot_stands_when_its_scanner_dies_and_drives_when_that_is_back(
         assert state() is ConnectionState.STALE
         said = next(notice.text for notice in ros.safety.notices if notice.kind == "stale")
         assert said.startswith("`robot.scan` is stale: its value is ")
-        assert "one came every 0.05 s" in said
+        assert "Before, one came every " in said
         assert '`"stale_after": null` in the set-up' in said
         assert "nothing moves the robot" in said
         os.killpg(scanner.pid, signal.SIGCONT)
         until(lambda: wheels[-1].endswith(" 0.2"))
         until(lambda: limit() > 2 * first)
-        stops = ros.safety.stops
         until(lambda: state() is ConnectionState.CONNECTED)
 
+        ros.safety.forget_notices("stale")
         ros.subscribe("scan", "/scan", stale_after=None)
         until(lambda: ros.describe("scan").age is not None)
         real.end(scanner)
         until(lambda: (ros.describe("scan").age or 0) > 1.5 * first)
-        assert ros.safety.stops == stops, "it is never too old"
+        assert {notice.kind for notice in ros.safety.notices}.isdisjoint({"stale"}), "it is never too old"
 
 
 BASE = """\
@@ -187,8 +187,10 @@ DRIVEN = """\
 @pytest.mark.ros
 @pytest.mark.parametrize("backend", ["rospy"])
 def test_an_odometry_that_rests_with_its_robot_holds_up_no_start_and_is_missed_on_the_way(
-    real: Any, connect: Callable[..., RosBridge]
+    real: Any, connect: Callable[..., RosBridge], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    slack = 3.0  # s; more than the machine holds up the robot
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.rhythm._SLACK", slack)
     base = real.start(sys.executable, "-c", BASE, ready=True)
     speeds: list[str] = real.lines(base)
     ros = connect(setup={"subscriptions": {"travelled": {"topic": "/travelled", "type": "std_msgs/Float64"}}})
@@ -205,7 +207,7 @@ def test_an_odometry_that_rests_with_its_robot_holds_up_no_start_and_is_missed_o
         first = until(lambda: limit() if limit() < math.inf else 0)
         session.edit(DRIVEN.format(0.0))
         until(lambda: speeds[-1:] == ["0.0"])
-        until(lambda: (ros.describe("travelled").age or 0) > 2 * first)
+        until(lambda: (ros.describe("travelled").age or 0) > 1.1 * first)
         assert stale() == []
         session.edit(DRIVEN.format(0.3))
         until(lambda: speeds[-1:] == ["0.3"] and (ros.describe("travelled").age or 9) < first)
