@@ -246,7 +246,7 @@ class Bridge(Interface, ABC):
         """Publish what has happened in the run, for those who follow it from outside. Default: nothing.
 
         Called after each tick or command in which something happened, in general on the thread that ticks: it
-        must not wait. It is no command: also a disarmed bridge is told, and nothing of it is recorded or
+        must not wait. It is not a command: a disarmed bridge is told, too, and nothing of it is recorded or
         repeated. What it raises is a notice.
 
         Parameters

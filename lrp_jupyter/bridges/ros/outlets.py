@@ -1,7 +1,7 @@
 """Topics on which the bridge itself publishes: what happens in the run, for others to follow and to record.
 
-They are no members of the robot, and what goes over them is no command: it needs no arming, is not limited,
-and no stop ends it. Publishing never waits. While there is no connection, the newest items wait for one.
+They are not members of the robot, and what goes over them is not a command: it needs no arming and has no
+limits, and no stop ends it. Publishing never waits. Without a connection, the newest items wait for one.
 """
 
 from __future__ import annotations

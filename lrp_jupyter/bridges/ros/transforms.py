@@ -153,7 +153,7 @@ class TransformTree:
                 frame, parent = _frame(each.child_frame_id), _frame(each.header.frame_id)
                 pose = _pose_of(each.transform)
                 if pose is None or not frame or not parent or frame == parent:
-                    wrong = f"that of `{frame}` in `{parent}` is no transform"
+                    wrong = f"that of `{frame}` in `{parent}` is not a transform"
                 else:
                     before = self._links.get(frame)
                     rhythm = None if is_static else (before and before.rhythm) or Rhythm()
@@ -275,7 +275,7 @@ def _frame(name: str) -> str:
 
 
 def _pose_of(raw: Any) -> _Pose | None:
-    """Return the pose in a message; None: its numbers are none, or its quaternion is no rotation."""
+    """Return the pose in a message; None if it has no finite numbers, or its quaternion does not rotate."""
     way, turn = raw.translation, raw.rotation
     numbers = (way.x, way.y, way.z, turn.x, turn.y, turn.z, turn.w)
     length = math.hypot(*numbers[3:])

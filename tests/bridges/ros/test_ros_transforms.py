@@ -131,7 +131,7 @@ def test_what_is_no_transform_is_named_and_the_others_of_its_message_are_taken()
         ((math.nan, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)),
     ):
         ours = TransformTree()
-        with pytest.raises(ValueError, match="that of `b` in `a` is no transform"):
+        with pytest.raises(ValueError, match="that of `b` in `a` is not a transform"):
             ours.put(message(("a", "b", way, turn), ("a", "c", *PLAIN)), 0.0, False)
         assert ours.lookup("a", "c", 0.0, False).yaw == 0
         with pytest.raises(NoDataYet):

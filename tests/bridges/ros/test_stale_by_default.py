@@ -49,7 +49,7 @@ def test_a_sensor_is_waited_for_a_second_and_for_a_message_that_was_lost(
     assert patience is not None
     assert 1 + 2 * period <= patience <= 1 + 4 * period
     heard([2 * period], rhythm, rhythm.last or 0.0)
-    assert 2 * period * (1 + jitter) < patience, "one lost message is no silence"
+    assert 2 * period * (1 + jitter) < patience, "a lost message is not a silence"
 
 
 BURST = [0.02] * 100  # of a joystick, for two seconds
