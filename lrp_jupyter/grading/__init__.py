@@ -44,12 +44,14 @@ from lrp_jupyter.grading.criteria import (
     visits,
     within,
 )
+from lrp_jupyter.grading.variation import Variation, moves, shades
 
 __all__ = [
     "Challenge",
     "Criterion",
     "Found",
     "Hint",
+    "Variation",
     "avoids",
     "backs_off",
     "blinks",
@@ -71,6 +73,7 @@ __all__ = [
     "lit_while",
     "load",
     "looks",
+    "moves",
     "near_line",
     "never_pushes",
     "never_restarts",
@@ -79,6 +82,7 @@ __all__ = [
     "register",
     "reused",
     "sees_line",
+    "shades",
     "slows_to",
     "stays_in",
     "stops_at",

@@ -28,7 +28,7 @@ class Job:
 
     `texts`: applied one after the other to the running program: the second one after `live` seconds, if the
         challenge says so, the others at equal intervals.
-    `world`: one of the challenge's.
+    `world`: one of the challenge's, with everything where the seed puts it.
     `seed`: of the robot's noise, and of Python's random numbers.
     `limit`: wall seconds that it may take.
     `namespace`: names that blocks can read.
@@ -36,7 +36,7 @@ class Job:
 
     texts: tuple[str, ...]
     task: Challenge
-    world: str | World
+    world: World
     seed: int
     limit: float
     namespace: Mapping[str, Any] = field(default_factory=dict)
@@ -52,7 +52,7 @@ class Job:
     @property
     def world_name(self) -> str:
         """The name of the world."""
-        return self.world if isinstance(self.world, str) else self.world.name or "world"
+        return self.world.name or "world"
 
 
 class Attempt(NamedTuple):
@@ -228,7 +228,7 @@ def _run(job: Job) -> Referee:
             if number:
                 session.edit(program.text)
             decided = session.run(
-                seconds + (number == len(programs) - 1),
+                seconds + (1 + task.hold if number == len(programs) - 1 else 0),
                 after_tick=over,
                 limit=job.limit / 6,
             )

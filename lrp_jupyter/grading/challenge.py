@@ -14,6 +14,7 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.errors import LRPError, sentence_of
 from lrp_jupyter.grading.criteria import Criterion
 from lrp_jupyter.grading.run_record import RunRecord, at_start
+from lrp_jupyter.grading.variation import Variation, varied
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import load as load_world
 
@@ -50,8 +51,8 @@ class Challenge:
     criteria : Criterion, or several
         In the order in which they can be met: partial credit is given up to the first one that is not.
     seconds : float
-        Longest duration of a run, in its own time. It ends earlier when every criterion is met, or one is
-        broken.
+        Time in which the criteria have to be met, in that of the run. A run ends earlier when every criterion
+        is met, or one is broken.
     hints : sequence of Hint
         For typical mistakes, the most specific first.
     rate : float
@@ -66,6 +67,11 @@ class Challenge:
         The program to begin with, which does not pass; by default one whose robot stands still.
     needed : float
         Share of the runs that a program has to pass, 0 to 1.
+    vary : Variation, or several
+        What is elsewhere, or looks different, in each run.
+    hold : float
+        Seconds for which the criteria have to stay met if any is about the end of the run, which then goes on
+        for so long: what holds for a moment is not yet an end.
     live : float
         If it is not 0, the task is to edit a running program: a run begins with `starter`, and after so many
         seconds the program that is graded takes its place.
@@ -89,6 +95,8 @@ class Challenge:
     starter: str = ""
     needed: float = 1.0
     live: float = 0.0
+    vary: tuple[Variation, ...] = ()
+    hold: float = 4.0
 
     def __post_init__(self) -> None:
         """Check the values, and read the files of worlds.
@@ -106,6 +114,8 @@ class Challenge:
         for each in criteria:
             check_type("criteria", each, Criterion, "made by functions such as `visits`")
         values = {
+            "vary": _several(self.vary, Variation),
+            "hold": self.hold if any(each.when == "at the end" for each in criteria) else 0.0,
             "worlds": worlds,
             "criteria": criteria,
             "hints": tuple(self.hints),
@@ -122,15 +132,16 @@ class Challenge:
         return "\n".join([*lines, f"; challenge: {self.name}", "", self.starter])
 
     @property
-    def runs(self) -> tuple[tuple[str | World, int], ...]:
-        """The world and the seed of each run."""
+    def runs(self) -> tuple[tuple[World, int], ...]:
+        """The world of each run, in which things are where its seed puts them, and the seed."""
         seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds
-        return tuple((world, seed) for world in self.worlds for seed in seeds)
+        worlds = map(load_world, self.worlds)
+        return tuple((varied(world, self.vary, seed), seed) for world in worlds for seed in seeds)
 
     @property
     def count(self) -> int:
         """How many runs there are in each world."""
-        return len(self.runs) // len(self.worlds)
+        return self.seeds if isinstance(self.seeds, int) else len(self.seeds)
 
     def first_seeds(self, count: int) -> tuple[int, ...]:
         """Return so many of the seeds, and further ones if there are fewer."""
@@ -146,7 +157,7 @@ class Challenge:
             A criterion names a zone or a solid that a world does not have, or it fails otherwise; or all are
             met before anything happens, where the run would end.
         """
-        for world in map(load_world, self.worlds):
+        for world in dict.fromkeys(world for world, _ in self.runs):
             start, is_missing = at_start(world), False
             for criterion in self.criteria:
                 try:

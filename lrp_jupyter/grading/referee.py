@@ -26,6 +26,7 @@ class Referee:
         self._restarts = 0  # of the interpreter, before the run began
         self._decided: dict[Criterion, Verdict] = {}
         self._latest: dict[Criterion, Verdict] = {}
+        self._met_since: float | None = None  # all criteria
 
     def see(self, bridge: SimBridge, interpreter: Interpreter) -> bool:
         """Record the tick that has just ended; return whether the run is decided. On the loop's thread."""
@@ -42,9 +43,14 @@ class Referee:
         self.run.cut(time)
         self._decided.clear()
         self._latest.clear()
+        self._met_since = None
 
     def _judge(self) -> bool:
-        """Ask all criteria whose answer can still change; return whether none can, or one is broken."""
+        """Ask all criteria whose answer can still change; return whether the run is decided.
+
+        It is when one is broken, or when all have been met for long enough; or when some are not met and the
+        time is over, which all that is met may outlast.
+        """
         missing, broken = False, False
         for criterion in (*self.task.criteria, *_RULES):
             verdict = self._decided.get(criterion)
@@ -54,7 +60,13 @@ class Referee:
                     self._decided[criterion] = verdict
             missing = missing or not verdict.passed
             broken = broken or verdict.state == "failed"
-        return broken or not missing or self.run.seconds >= self.task.seconds - 1e-6
+        now = self.run.seconds
+        if broken or missing:
+            self._met_since = None
+            return broken or now >= self.task.seconds - 1e-6
+        if self._met_since is None:
+            self._met_since = now
+        return now - self._met_since >= self.task.hold - 1e-6
 
     def _verdict(self, criterion: Criterion) -> Verdict:
         found, reason = criterion.judge(self.run)

@@ -18,6 +18,7 @@ from lrp_jupyter.grading.grade import Grade, grade
 from lrp_jupyter.grading.marks import grade_class
 from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.workers import HowRun, run_jobs
+from lrp_jupyter.sim.worlds import load
 from lrp_jupyter.spreadsheets import csv_text
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
@@ -58,7 +59,7 @@ def test_equal_programs_are_run_once():
 
 def test_the_second_run_of_a_program_waits_for_its_first_while_others_run():
     limits = {HANG: 3, DRIVE: 60, SLOW: 60}
-    jobs = [Job((text,), FIRST, "empty", seed, limits[text]) for seed in (0, 1) for text in limits]
+    jobs = [Job((text,), FIRST, load("empty"), seed, limits[text]) for seed in (0, 1) for text in limits]
     made = dict(run_jobs(jobs, HowRun(processes=3), stop_at_end=True))
     assert sorted(made) == [0, 1, 2, 4, 5]  # of what hangs, one run only
 

@@ -12,7 +12,6 @@ from lrp_jupyter.grading.criteria import (
     Criterion,
     drives,
     enters,
-    no_faults,
     touches,
     touches_nothing,
     visits,
@@ -25,6 +24,7 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.programs import load
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, RobotSpec, World
+from lrp_jupyter.sim.worlds import load as load_world
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 
@@ -156,7 +156,7 @@ def test_a_challenge_is_found_by_name_and_a_wrong_name_is_answered_with_the_near
 
 
 def test_a_run_ends_when_every_criterion_is_met():
-    long = Challenge("way", "", ("empty",), (drives(0.1), no_faults()), 1000)
+    long = Challenge("way", "", ("empty",), (drives(0.1), touches_nothing()), 1000)
     (attempt,) = grade(DRIVE, long).attempts
     assert attempt.passed
     assert attempt.seconds < 2
@@ -178,7 +178,7 @@ def test_what_a_criterion_has_seen_of_a_run_is_not_looked_at_again(monkeypatch):
         return so_far + 1
 
     counted = Criterion("counts", lambda run: (run.fold(step, 0) > 10**6, "counted"))
-    attempt(Job((DRIVE,), Challenge("way", "", ("empty",), (counted,), 5), "empty", 0, 60))
+    attempt(Job((DRIVE,), Challenge("way", "", ("empty",), (counted,), 5), load_world("empty"), 0, 60))
     assert len(seen) == len(set(seen)) > 40
 
 

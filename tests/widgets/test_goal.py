@@ -38,6 +38,7 @@ STAY = Challenge(
     (room("near", 1), room("far", 0.2)),
     (drives(0.9), ends_in("goal"), no_faults()),
     8,
+    hold=0,
 )
 
 

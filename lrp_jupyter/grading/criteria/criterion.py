@@ -68,7 +68,7 @@ class Criterion(NamedTuple):
 
     Examples
     --------
-    >>> hurry = Criterion("is there in six seconds", lambda run: (run.seconds < 6, f"{run.seconds:.1f} s"))
+    >>> short = Criterion("drives 3 m at most", lambda run: (run.driven < 3, f"{run.driven:.1f} m"), "always")
     """
 
     sentence: str

@@ -192,8 +192,13 @@ class Goal:
     def _note(self, check: _Check, index: int, made: Attempt) -> None:
         check.made[index] = made
         check.grade = Grade.of(self.task, check.made, len(check.jobs))
-        check.views[str(index)] = _attempt_view(self.task, self._worlds, check.jobs[index], made)
+        world = self._world_of(index)
+        check.views[str(index)] = _attempt_view(made, world, self._worlds[world].size[1])
         self._wake()
+
+    def _world_of(self, index: int) -> int:
+        """Return the place of the world of a run among those of the challenge."""
+        return index // self.task.count
 
     def hint(self) -> None:
         """Show one more of the hints that the last check gives."""
@@ -231,9 +236,9 @@ class Goal:
             raise LRPError("The program has changed since this check. Check again, then show the run.")
         job = check.jobs[index]
         session.pause()
-        self._world = self.task.worlds.index(job.world)
+        self._world = self._world_of(index)
         random.seed(job.seed)
-        session.call(lambda: bridge.load_world(self._worlds[self._world], job.seed))
+        session.call(lambda: bridge.load_world(job.world, job.seed))
         session.reset()
         begin = session.frame.time
         for number, (text, seconds) in enumerate(zip(job.texts, job.durations, strict=True)):
@@ -288,13 +293,11 @@ def _ending(check: _Check, wake: Callable[[], None]) -> Iterator[None]:
 # -- from values to plain data ---------------------------------------------------------------------------
 
 
-def _attempt_view(task: Challenge, worlds: Sequence[World], job: Job, made: Attempt) -> AttemptView:
+def _attempt_view(made: Attempt, world: int, height: float) -> AttemptView:
     failure = made.failure
-    index = task.worlds.index(job.world)
-    height = worlds[index].size[1]
     points = made.path[:: max(1, len(made.path) // 60)]
     return {
-        "world": index,
+        "world": world,
         "seed": made.seed,
         "passed": made.passed,
         "failed": "" if failure is None else failure.sentence,

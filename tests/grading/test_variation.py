@@ -1,0 +1,101 @@
+"""Seeds put things elsewhere: as far as a challenge allows, alike each time, in the lab as in the marks."""
+
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import Criterion, ends_in, visits
+from lrp_jupyter.grading.grade import grade
+from lrp_jupyter.grading.variation import moves, shades, varied
+from lrp_jupyter.sim.world import BoxSolid, CircleZone, FloorSpec, PathStroke, RobotSpec, World
+
+YARD = World(
+    name="yard",
+    size=(3, 2),
+    floor=FloorSpec(strokes=(PathStroke(((1, 0), (1, 2))),)),
+    robots=(RobotSpec((0.5, 1, 0)),),
+    solids=(BoxSolid((2, 1, 0.1, 1), name="wall"),),
+    zones={"goal": CircleZone((1, 1, 0.1)), "start": CircleZone((0.5, 1, 0.1))},
+)
+FAR = st.floats(0, 0.3)
+
+
+@given(FAR, FAR, st.integers())
+def test_what_moves_moves_together_within_its_bounds_and_nothing_else_does(x, y, seed):
+    world = varied(YARD, [moves("floor", "goal", x=x, y=y)], seed)
+    (stroke,) = world.floor.strokes
+    by = stroke.path[0][0] - 1, stroke.path[0][1]
+    assert abs(by[0]) <= x + 1e-9
+    assert abs(by[1]) <= y + 1e-9
+    assert world.zones["goal"].circle[:2] == pytest.approx((1 + by[0], 1 + by[1]))
+    assert (world.robots, world.solids, world.zones["start"]) == (
+        YARD.robots,
+        YARD.solids,
+        YARD.zones["start"],
+    )
+
+
+def test_the_same_seed_varies_a_world_alike_and_others_otherwise():
+    vary = [moves("robot", x=0.1, degrees=20), moves("wall", y=0.2, degrees=5), shades(30)]
+    worlds = [varied(YARD, vary, seed) for seed in range(20)]
+    assert worlds == [varied(YARD, vary, seed) for seed in range(20)]
+    assert len({world.robots[0].pose for world in worlds}) == 20
+    assert len({world.solids[0].angle for world in worlds}) == 20
+    assert all(225 <= world.floor.grey <= 255 for world in worlds)
+    assert all(0 <= world.floor.strokes[0].grey <= 30 for world in worlds)
+
+
+def test_what_a_world_does_not_have_is_refused_with_the_nearest_name():
+    with pytest.raises(LRPError, match="nothing named `gaol`"):
+        moves("gaol", x=1).of(YARD, random.Random(0))
+
+
+BY_THE_CLOCK = """
+(machine m (state driving (running [robot.move(linear=0.2)])) (state there (onentry [robot.stop()]))
+  (ontime 2500 driving -> there))
+(spawn m driving)
+"""
+
+
+def test_a_program_that_knows_where_things_are_does_not_get_there():
+    there = Challenge("there", "Drive to the goal.", YARD, ends_in("goal"), seconds=5, seeds=5)
+    assert grade(BY_THE_CLOCK, there).passed
+    elsewhere = Challenge(
+        "there", "", YARD, ends_in("goal"), seconds=5, seeds=5, vary=moves("goal", "floor", x=0.3)
+    )
+    assert not grade(BY_THE_CLOCK, elsewhere).passed
+
+
+PULSES = """
+(machine m (state driving (running [robot.move(linear=0.2)])) (state resting)
+  (ontime 500 driving -> resting) (ontime 500 resting -> driving))
+(spawn m driving)
+"""
+
+
+def test_what_is_asked_of_the_end_has_to_hold_for_a_while():
+    """A robot that comes to the goal and drives on was there for a moment, not at the end."""
+    passing = Challenge("through", "", YARD, visits("goal"), seconds=9)
+    assert grade(PULSES, passing).passed
+    staying = Challenge("to", "", YARD, ends_in("goal"), seconds=9)
+    assert not grade(PULSES, staying).passed
+    (attempt,) = grade(BY_THE_CLOCK, staying).attempts
+    assert attempt.passed
+    assert attempt.seconds == pytest.approx(2.0 + 4, abs=0.3)  # from when it came to the goal
+
+
+def test_what_is_met_in_time_may_hold_beyond_it_and_must_not_be_broken_there():
+    slow = BY_THE_CLOCK.replace("2500", "2600")
+    assert grade(slow, Challenge("just", "", YARD, ends_in("goal"), seconds=3)).passed
+    through = BY_THE_CLOCK.replace("2500", "4500")
+    assert not grade(through, Challenge("just", "", YARD, ends_in("goal"), seconds=2.5)).passed
+
+
+def test_a_challenge_that_asks_nothing_of_the_end_ends_at_once():
+    assert Challenge("once", "", YARD, visits("goal")).hold == 0
+    late = Criterion("is late", lambda run: (run.seconds > 1, ""), "at the end")
+    assert Challenge("end", "", YARD, [visits("goal"), late]).hold == 4
