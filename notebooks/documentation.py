@@ -110,7 +110,8 @@ def worlds() -> str:
 def challenges() -> str:
     """Return the challenges."""
     return _table(
-        ["challenge", "what the robot has to do"], ((each.name, each.task) for each in known_challenges())
+        ["challenge", "what the robot has to do"],
+        ((each.name, each.assignment) for each in known_challenges()),
     )
 
 

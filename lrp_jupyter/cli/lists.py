@@ -121,7 +121,7 @@ def list_challenges() -> None:
 
     table = table_of("challenge", "what the robot has to do")
     for each in challenges():
-        table.add_row(Text(each.name, "bold"), Text(each.task))
+        table.add_row(Text(each.name, "bold"), Text(each.assignment))
     show_table(table)
 
 

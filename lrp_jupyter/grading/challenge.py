@@ -44,7 +44,8 @@ class Challenge:
     ----------
     name : str
     task : str
-        What the robot has to do, in a sentence or two: what the criteria ask for, and nothing else.
+        What the robot has to do, in a sentence or two: what the criteria ask for, and nothing else. The time
+        limit is added wherever the task is shown.
     worlds : str, path, World, or several of them
         Names of bundled worlds, files ending in ``.json`` as the lab saves them, or worlds. The program
         has to pass in every one.
@@ -126,9 +127,14 @@ class Challenge:
             object.__setattr__(self, field, value)
 
     @property
+    def assignment(self) -> str:
+        """The task as it is shown: what the robot has to do, and in how long."""
+        return f"{self.task} Time limit: {_time(self.seconds)}.".lstrip()
+
+    @property
     def beginning(self) -> str:
-        """The text to begin with: the task and the name of the challenge in comments, then the starter."""
-        lines = textwrap.wrap(self.task, 100, initial_indent="; ", subsequent_indent="; ")
+        """The text to begin with: the assignment and the challenge's name in comments, then the starter."""
+        lines = textwrap.wrap(self.assignment, 100, initial_indent="; ", subsequent_indent="; ")
         return "\n".join([*lines, f"; challenge: {self.name}", "", self.starter])
 
     @property
@@ -176,7 +182,13 @@ class Challenge:
                 )
 
     def __str__(self) -> str:
-        return f"{self.name}: {self.task}"
+        return f"{self.name}: {self.assignment}"
+
+
+def _time(seconds: float) -> str:
+    """Say how long something takes: in minutes if they are whole ones."""
+    count, unit = (seconds / 60, "minute") if seconds % 60 == 0 else (seconds, "second")
+    return f"{count:g} {unit}{'' if count == 1 else 's'}"
 
 
 def _several(values: Any, kind: type | tuple[type, ...]) -> tuple[Any, ...]:

@@ -79,7 +79,7 @@ def test_the_text_that_one_begins_with_does_not_pass_and_gets_a_hint(each):
 @every("each", BUNDLED)
 def test_the_text_that_one_begins_with_says_the_task_and_has_its_last_bracket_on_a_line_of_its_own(each):
     comments = [line.removeprefix("; ") for line in each.beginning.splitlines() if line.startswith("; ")]
-    assert " ".join(comments).startswith(f"{each.task} challenge: {each.name}")
+    assert " ".join(comments).startswith(f"{each.assignment} challenge: {each.name}")
     assert heading(each.beginning).challenge == each.name
     program, _ = scan(each.beginning)
     for machine in program.machines if program else ():

@@ -15,12 +15,12 @@ DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m
 MINE = """
 from lrp_jupyter.grading import Challenge, Criterion, register, touches, touches_nothing, visits
 
-hurry = Criterion("is there in six seconds", lambda run: (run.seconds < 6, f"{run.seconds:.1f} s"), "always")
+hurry = Criterion("hurries", lambda run: (run.seconds < 6, f"{run.seconds:.1f} s"), "always")
 
 def never_came(run):
     return None if any(run.inside("goal")) else f"The robot drove {run.driven:.1f} m. Drive on to the goal."
 
-register(Challenge("to the goal", "Drive to the goal in six seconds.", "yard.json", [visits("goal"), hurry],
+register(Challenge("to the goal", "Drive to the goal.", "yard.json", [visits("goal"), hurry],
                    seconds=8, hints=[never_came], seeds=3, noise={"motor": 0.01}))
 """
 
@@ -57,7 +57,9 @@ def test_a_challenge_in_ten_lines_with_a_world_of_the_lab_is_graded(folder):
 def test_it_is_then_known_by_its_name_and_its_program_begins_with_the_task(folder):
     task = load(str(folder / "mine.py"))
     assert load("To-the-goal") is task
-    assert task.beginning.startswith("; Drive to the goal in six seconds.\n; challenge: to the goal\n")
+    assert task.beginning.startswith(
+        "; Drive to the goal. Time limit: 8 seconds.\n; challenge: to the goal\n"
+    )
     assert not grade(task.beginning, task)
 
 
@@ -77,7 +79,7 @@ def test_the_last_challenge_of_a_file_counts_and_a_changed_file_is_read_again(fo
         ("x = 1\ny = (", "line 2: SyntaxError"),
         (MINE.replace('visits("goal")', 'visits("gaol")'), "no zone `gaol`. Did you mean `goal`?"),
         (MINE.replace('visits("goal")', 'touches("wal")'), "no solid `wal`. Did you mean `wall`?"),
-        (MINE.replace("run.seconds < 6", "run.sekonds < 6"), "`is there in six seconds`: AttributeError"),
+        (MINE.replace("run.seconds < 6", "run.sekonds < 6"), "`hurries`: AttributeError"),
         (MINE.replace("yard.json", "yrad.json"), "yrad.json"),
         (MINE.replace('"yard.json"', '"linne"'), "There is no world `linne`. Did you mean `line`?"),
         (MINE.replace('[visits("goal"), hurry]', "[]"), "has no criterion"),

@@ -40,7 +40,7 @@ def _other_speed(run: RunRecord) -> Iterator[str]:
 
 FIRST_MOVE = Challenge(
     "first move",
-    "Drive: get 30 cm away from the place where the robot starts, within ten seconds.",
+    "Drive: get 30 cm away from the place where the robot starts.",
     ("empty",),
     (gets_away(0.3),),
     10,

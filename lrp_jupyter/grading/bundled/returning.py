@@ -67,7 +67,7 @@ _THERE_AND_BACK = (_TOUCHES, ends_still(2))
 
 THERE_AND_BACK = Challenge(
     "there and back",
-    "Follow the line until you bump into the far wall, come back, and end at the near wall: in two minutes.",
+    "Follow the line until you bump into the far wall, come back, and end at the near wall.",
     ("line",),
     _THERE_AND_BACK,
     120,
@@ -80,8 +80,7 @@ THERE_AND_BACK = Challenge(
 DEBUG_THE_LISTING = Challenge(
     "debug the printed listing",
     "This program is meant to follow the line to the far wall, to come back, and to end at the near wall. It"
-    " was printed in a paper, and it does not. Find its mistakes, one after the other; it may take five"
-    " minutes.",
+    " was printed in a paper, and it does not. Find its mistakes, one after the other.",
     ("line",),
     _THERE_AND_BACK,
     300,
@@ -93,7 +92,7 @@ DEBUG_THE_LISTING = Challenge(
 
 LAP = Challenge(
     "lap",
-    f"There and back again, in a hurry: touch the far wall and then the near wall within {_LAP:g} s.",
+    "There and back again, in a hurry: touch the far wall and then the near wall.",
     ("line",),
     (within(_LAP, _TOUCHES),),
     _LAP,
@@ -106,7 +105,7 @@ LAP = Challenge(
 ROBUST_FOLLOWER = Challenge(
     "robust follower",
     "There and back, with bad motors and a bad light sensor: in 90% of 50 runs, the robot has to touch the"
-    " far wall and then the near wall within a minute and a half.",
+    " far wall and then the near wall.",
     ("line",),
     (_TOUCHES,),
     90,

@@ -112,7 +112,7 @@ class Goal:
         hints = self._hints
         return {
             "name": self.task.name,
-            "task": self.task.task,
+            "task": self.task.assignment,
             "points": self.task.points,
             "seconds": self.task.seconds,
             "over": self._is_over,
