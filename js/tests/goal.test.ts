@@ -37,6 +37,8 @@ const goal: GoalView = {
   note: "",
   hints: [],
   more_hints: 2,
+  code: "",
+  hidden: 0,
   check,
   begun: 0,
   trail: [],
@@ -80,6 +82,18 @@ describe("the goal", () => {
     );
   });
 
+  it("shows a code in an exam, and otherwise none", async () => {
+    const { element, store } = shown({ code: "K7M2-QX9D" });
+    await tick();
+    const exam = element.querySelector<HTMLElement>(".lrp-exam")!;
+    expect(exam.hidden).toBe(false);
+    expect(exam.textContent).toBe("Hand-in code: K7M2-QX9D. Save your work, then write it down.");
+    store.state.goal = goal;
+    store.touch(new Set(["goal"] as const));
+    await tick();
+    expect(exam.hidden).toBe(true);
+  });
+
   it("is not there while there is no challenge", () => {
     expect(goalView({ store: new Store() } as unknown as Lab).hasAttribute("data-goalless")).toBe(true);
   });
@@ -115,18 +129,26 @@ describe("the goal", () => {
 
 describe("the result of a check", () => {
   it("says how far it is, what it has found, and whether that is still so", () => {
-    expect(resultOf({ ...check, busy: true, done: 1 }, 10, attempts)).toBe("Run 2 of 2 …");
+    expect(resultOf({ ...check, busy: true, done: 1 }, goal, attempts)).toBe("Run 2 of 2 …");
     const passed = { ...check, passed: true, points: 10 };
     const all = Object.fromEntries(
       Object.entries(attempts).map(([at, each]) => [at, { ...each, passed: true }]),
     );
-    expect(resultOf(passed, 10, all)).toBe("Passed: 10 of 10 points. All 2 runs met all criteria.");
-    expect(resultOf(passed, 10, attempts)).toBe(
+    expect(resultOf(passed, goal, all)).toBe("Passed: 10 of 10 points. All 2 runs met all criteria.");
+    expect(resultOf(passed, goal, attempts)).toBe(
       "Passed: 10 of 10 points. 1 of 2 runs passed, which is enough.",
     );
-    expect(resultOf({ ...check, stale: true }, 10, attempts)).toContain("The program has changed since.");
-    expect(resultOf({ ...check, error: "No." }, 10, attempts)).toBe("The check could not be made. No.");
-    expect(resultOf({ ...check, total: 1, done: 1 }, 10, attempts)).toBe("Not yet: 7.5 of 10 points.");
+    expect(resultOf({ ...check, stale: true }, goal, attempts)).toContain("The program has changed since.");
+    expect(resultOf({ ...check, error: "No." }, goal, attempts)).toBe("The check could not be made. No.");
+    expect(resultOf({ ...check, total: 1, done: 1 }, goal, attempts)).toBe("Not yet: 7.5 of 10 points.");
+  });
+
+  it("promises no points where hidden worlds count", () => {
+    const exam = { ...goal, hidden: 2 };
+    expect(resultOf(check, exam, attempts)).toBe("Not yet: 1 of 2 runs passed.");
+    expect(resultOf({ ...check, passed: true }, exam, attempts)).toBe(
+      "Passed here. 1 of 2 runs passed, which is enough. Your points also depend on 2 worlds that you do not see.",
+    );
   });
 });
 

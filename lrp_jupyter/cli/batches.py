@@ -38,18 +38,19 @@ def grade_files(
 ) -> int:
     """Grade one program and explain its grade, or those of a class and list them; return the exit code."""
     task = load(name)
+    whole = task.whole()
     check_outputs(out, tuple(FORMS))
     submissions = _submissions(files, task, given)
     alone = len(files) == 1 and not Path(files[0]).is_dir()
     if alone and submissions[0].text is None:
         raise FileError(submissions[0].problem)
     if alone:
-        marks = grade_class(submissions, task, seeds, how)
-        _explain(marks)
+        marks = grade_class(submissions, whole, seeds, how)
+        _explain(marks, task.exam)
     else:
         with shown_progress("grading", lines=True) as progress:
-            marks = grade_class(submissions, task, seeds, how, progress)
-        _list(marks)
+            marks = grade_class(submissions, whole, seeds, how, progress)
+        _list(marks, task.exam)
     if seeds is not None and seeds < task.count:
         plain_console().print(
             f"Note: the challenge has {task.count} seeds, and with {seeds} a program may pass by luck."
@@ -156,17 +157,18 @@ def _submissions(files: Sequence[str], task: Challenge, given: Path | None) -> l
     return found
 
 
-def _explain(marks: Marks) -> None:
+def _explain(marks: Marks, is_exam: bool) -> None:
     mark = marks.marks[0]
-    report = Text(f"{mark.submission.file}, {mark.grade}")
+    code = f"\nHand-in code: {mark.code}" if is_exam else ""
+    report = Text(f"{mark.submission.file}, {mark.grade}{code}")
     report.highlight_regex(r"✓", "green")
     report.highlight_regex(r"✗", "bold red")
     report.highlight_regex(r"(?m)^Hint:", "bold yellow")
     plain_console().print(report)
 
 
-def _list(marks: Marks) -> None:
-    table = table_of("student", "points", "runs", "first reason")
+def _list(marks: Marks, is_exam: bool) -> None:
+    table = table_of("student", "points", "runs", *(["code"] if is_exam else []), "first reason")
     for mark in marks.marks:
         grade = mark.grade
         points = Text(f"{grade.points:g} of {grade.out_of:g}", "green" if grade.passed else "bold red")
@@ -178,6 +180,7 @@ def _list(marks: Marks) -> None:
             Text(mark.submission.student, "bold"),
             points,
             runs,
+            *([Text(mark.code)] if is_exam else []),
             Text(reason, no_wrap=True, overflow="ellipsis"),
         )
     show_table(table)

@@ -537,6 +537,8 @@ GRADE_EPILOG = """
 folder: each `*.lrp` and `*.ipynb` file and, for each student with a folder, the program in it (as Moodle and
 nbgrader lay them out). Of a notebook, the last `%%lrp` cell with `--challenge square` counts, or the only
 `%%lrp` cell. A program that hangs, crashes or cannot be read costs only its own mark, and is not run again.
+The worlds that a challenge hides from students count here. The column `code` is the hand-in code that the lab
+of an exam shows.
 The marks are the same in every grading: a set of texts has the order of `PYTHONHASHSEED=0`.
 
 **Files**: `--out marks.csv` is for a spreadsheet and has a row for each submission; `.json` has every run

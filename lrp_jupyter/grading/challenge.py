@@ -76,6 +76,11 @@ class Challenge:
     live : float
         If it is not 0, the task is to edit a running program: a run begins with `starter`, and after so many
         seconds the program that is graded takes its place.
+    hidden : str, path, World, or several of them
+        Worlds as in `worlds`, in which only ``lrp grade`` runs a program. Their files need not be where the
+        students work.
+    exam : bool
+        The lab gives no hints, and shows a code of the text that students write down.
 
     Raises
     ------
@@ -98,6 +103,8 @@ class Challenge:
     live: float = 0.0
     vary: tuple[Variation, ...] = ()
     hold: float = 4.0
+    hidden: tuple[str | Path | World, ...] = ()
+    exam: bool = False
 
     def __post_init__(self) -> None:
         """Check the values, and read the files of worlds.
@@ -120,6 +127,7 @@ class Challenge:
             "worlds": worlds,
             "criteria": criteria,
             "hints": tuple(self.hints),
+            "hidden": tuple(map(_located, _several(self.hidden, (str, os.PathLike, World)))),
             "seeds": self.seeds if isinstance(self.seeds, int) else tuple(self.seeds),
             "starter": self.starter or _STARTER,
         }
@@ -153,6 +161,16 @@ class Challenge:
         """Return so many of the seeds, and further ones if there are fewer."""
         own = tuple(range(self.seeds)) if isinstance(self.seeds, int) else tuple(self.seeds)
         return (*own, *range(max(own) + 1, max(own) + 1 + count))[:count]
+
+    def whole(self) -> Challenge:
+        """Return the challenge as a teacher marks it: the hidden worlds are among the others, with hints.
+
+        Raises
+        ------
+        LRPError
+            A hidden world cannot be read.
+        """
+        return replace(self, worlds=(*self.worlds, *map(_world, self.hidden)), hidden=(), exam=False)
 
     def check(self) -> None:
         """Ask every criterion about a run that has just begun, in every world.
@@ -196,15 +214,23 @@ def _several(values: Any, kind: type | tuple[type, ...]) -> tuple[Any, ...]:
     return (values,) if isinstance(values, kind) else tuple(values)
 
 
+def _located(world: Any) -> str | Path | World:
+    """Return a world that is a file as its path, any other as it is."""
+    if isinstance(world, World) or (isinstance(world, str) and not world.endswith(".json")):
+        return world
+    path: Path = folder.get() / world
+    return path
+
+
 def _world(world: Any) -> str | World:
     """Return a world that is a file as a world, any other as it is."""
-    if isinstance(world, World):
-        return world
+    path = _located(world)
+    if isinstance(path, World):
+        return path
     try:
-        if isinstance(world, str) and not world.endswith(".json"):
-            load_world(world)
-            return world
-        path = folder.get() / world
+        if isinstance(path, str):
+            load_world(path)
+            return path
         loaded = load_world(path)
     except WorldError as error:
         raise LRPError(str(error)) from error

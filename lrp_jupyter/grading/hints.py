@@ -14,6 +14,8 @@ from lrp_jupyter.live.predicted import finding_of
 
 def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
     """Yield the hints for the mistakes that are found in a run, the most important first."""
+    if task.exam:
+        return
     if not any(sample.active for sample in run.samples):
         yield "Nothing was active. Write `(spawn machine state)` outside all machines to start one."
     if run.issues:

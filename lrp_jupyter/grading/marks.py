@@ -13,6 +13,7 @@ from lrp_jupyter.grading.attempt import Attempt, failed
 from lrp_jupyter.grading.batch import Progress, grade_all
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
+from lrp_jupyter.grading.handing_in import code_of
 from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.spreadsheets import csv_text
@@ -23,6 +24,12 @@ class Mark(NamedTuple):
 
     submission: Submission
     grade: Grade
+
+    @property
+    def code(self) -> str:
+        """The hand-in code, as the lab of an exam shows it; empty for what cannot be read."""
+        text = self.submission.text
+        return "" if text is None else code_of(text)
 
 
 @dataclass(frozen=True)
@@ -45,18 +52,19 @@ class Marks:
     def csv(self) -> str:
         """Return a table with a row for each submission; ``first_…`` describes its first failed run."""
         columns = ("student", "file", "challenge", "points", "out_of", "passed", "runs_passed", "runs")
-        last = ("first_world", "first_seed", "first_reason", "first_hint", "as_given")
+        last = ("first_world", "first_seed", "first_reason", "first_hint", "as_given", "code")
         return csv_text((*columns, *last), self._rows())
 
     def _rows(self) -> Iterator[tuple[object, ...]]:
-        for submission, grade in self.marks:
+        for mark in self.marks:
+            submission, grade = mark
             first = grade.first_failed
             yield (
                 *(submission.student, submission.file, grade.challenge, grade.points, grade.out_of),
                 *("yes" if grade.passed else "no", grade.runs_passed, grade.runs),
                 *(first.world if first else "", first.seed if first else ""),
                 *(first.reason.partition("\n")[0] if first else "", grade.hint),
-                "yes" if submission.as_given else "no",
+                *("yes" if submission.as_given else "no", mark.code),
             )
 
     def to_json(self) -> str:
@@ -74,6 +82,7 @@ class Marks:
             "student": submission.student,
             "file": submission.file,
             "as_given": submission.as_given,
+            "code": mark.code,
             "points": grade.points,
             "passed": grade.passed,
             "runs": grade.runs,

@@ -11,7 +11,7 @@ import json
 import re
 import shlex
 from collections.abc import Iterator, Sequence
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
 from lrp_jupyter.errors import FileError, LRPError, printable
@@ -230,7 +230,7 @@ def _is_for(words: Sequence[str], task: Challenge) -> bool:
         key, equals, value = word.partition("=")
         if key == "--challenge":
             named = value if equals else next(iter(words[number + 1 :]), "")
-            return _slug(named) == _slug(task.name)
+            return _slug(PurePath(named).stem if named.endswith(".py") else named) == _slug(task.name)
     return False
 
 

@@ -24,7 +24,7 @@ from traitlets.utils.bunch import Bunch
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.grading.challenges import Challenge
-from lrp_jupyter.grading.challenges import challenge as find_challenge
+from lrp_jupyter.grading.challenges import load as load_challenge
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
@@ -186,8 +186,8 @@ class Lab(Part):
     namespace : dict, optional
         Names that blocks can read; default: those of a Jupyter notebook. Elsewhere pass ``globals()``.
     challenge : str or Challenge, optional
-        The lab opens the challenge's world and shows its goal; without a text it begins with that of the
-        challenge.
+        Its name, or a Python file that registers one. The lab opens the challenge's world and shows its
+        goal; without a text it begins with that of the challenge.
     edits, graph, quiet, lock : optional
         The conditions of a study, as in `set_conditions`; if none is given, they stay as they are.
     log : str or path, optional
@@ -235,7 +235,7 @@ class Lab(Part):
         **options: Any,
     ) -> None:
         check_type("program", program, (str, Program, Session), "a text, a Program or a Session")
-        task = find_challenge(challenge) if isinstance(challenge, str) else challenge
+        task = load_challenge(challenge) if isinstance(challenge, str) else challenge
         check_type("challenge", task, (Challenge, NoneType), "a Challenge or its name")
         conditions = given(edits=edits, graph=graph, quiet=quiet, lock=lock)
         if isinstance(program, Session):

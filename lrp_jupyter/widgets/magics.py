@@ -19,7 +19,7 @@ from lrp_jupyter.arguments import check_choice
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import LRPError, did_you_mean
-from lrp_jupyter.grading.challenges import challenge, challenges
+from lrp_jupyter.grading.challenges import challenges, load
 from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
@@ -33,7 +33,8 @@ from lrp_jupyter.widgets.views.view_state import last_fired
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]
                       run the cell's text as a program and show its lab; running the cell again
-                      changes the running program; other options are the bridge's: --seed 5
+                      changes the running program; other options are the bridge's: --seed 5;
+                      a challenge may be a file of your own: --challenge exam.py
        [--on-active-edit restart|keep]
                       what an edit does that changes an active state: it restarts the program, or
                       leaves it in that state, with the new actions
@@ -157,7 +158,7 @@ class LRPMagics(Magics):
         name, options = _options(line)
         bridge = options.pop("bridge", None)
         if "challenge" in options:
-            options["task"] = challenge(options.pop("challenge"))
+            options["task"] = load(options.pop("challenge"))
         options["conditions"] = given(**{each: options.pop(each, None) for each in NAMES})
         if options.get("world") and bridge not in (None, "sim"):
             raise UsageError(f"%%lrp: `--world` is for the simulator, and the bridge is `{bridge}`.")

@@ -3,6 +3,9 @@
 import re
 
 from e2e.test_layout import SCREENS, nothing_overlaps
+from lrp_jupyter.grading.challenges import load as load_exam
+from lrp_jupyter.grading.handing_in import code_of
+from lrp_jupyter.grading.submissions import read_submission
 
 
 def checked(lab, passed):
@@ -93,3 +96,29 @@ def stop_at_the_line(lab):
     lab.reads(".lrp-result", "The program has changed since.")
     assert checked(lab, True) == "Passed: 10 of 10 points. All 3 runs met all criteria."
     assert lab.find('[data-lrp-action="hint"]').is_hidden()
+
+
+EXAM = """
+from lrp_jupyter.grading import Challenge, drives, register
+
+register(
+    Challenge("exam 1", "Drive a metre.", "empty", [drives(1)], seconds=10, exam=True, hidden=["unseen.json"])
+)
+"""
+
+
+def test_an_exam_gives_no_hints_and_a_code_for_what_is_saved(open_lab):
+    lab = open_lab("", "m")
+    notebook = lab.notebook
+    (notebook.path.parent / "exam-1.py").write_text(EXAM, encoding="utf-8")
+    lab = notebook.open("", "exam --challenge exam-1.py")
+    assert checked(lab, False) == "Not yet: 0 of 1 runs passed."
+    assert lab.find('[data-lrp-action="hint"]').is_hidden()
+    first = lab.find(".lrp-code").inner_text()
+    lab.type_after("(state waiting", "\n    (running [robot.move(linear=0.3)])")
+    lab.until("(code, first) => code.textContent !== first", ".lrp-code", first)
+    result = checked(lab, True)
+    assert result.endswith("Your points also depend on a world that you do not see.")
+    code = lab.find(".lrp-code").inner_text()
+    notebook.save()
+    assert code == code_of(read_submission(notebook.path, load_exam(notebook.path.parent / "exam-1.py")))

@@ -44,7 +44,9 @@ export function goalView(lab: Lab): HTMLElement {
   const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria of the run in the world" });
   const checked = checkView(lab);
   const group = { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" };
-  const body = h("div", group, checked.element, task, note, watched, criteria);
+  const code = h("strong", { class: "lrp-code" });
+  const exam = h("p", { class: "lrp-exam" }, "Hand-in code: ", code, ". Save your work, then write it down.");
+  const body = h("div", group, checked.element, task, exam, note, watched, criteria);
   const { element, heading } = panel("goal", "Goal", [world, again, check, checked.hint], body);
   element.setAttribute(GOALLESS, "");
   store.watch(["goal", "attempts"], () => {
@@ -54,6 +56,8 @@ export function goalView(lab: Lab): HTMLElement {
     setText(heading, `Goal: ${goal.name}`);
     setAttribute(heading, "title", goal.name); // which may be cut off
     setProse(task, goal.task);
+    setText(code, goal.code);
+    exam.hidden = !goal.code;
     setProse(note, goal.note);
     note.hidden = !goal.note;
     watched.hidden = !goal.check;
@@ -122,7 +126,7 @@ function checkView(lab: Lab) {
       bar.hidden = !check.busy;
       bar.max = check.total;
       bar.value = check.done;
-      setProse(result, resultOf(check, goal.points, attempts));
+      setProse(result, resultOf(check, goal, attempts));
       setAttribute(result, "data-state", check.busy ? null : check.passed ? "met" : "failed");
       reconcile(
         runs,
@@ -153,16 +157,24 @@ function bringIntoView(element: Element | null, box: Element | null): void {
 }
 
 /** What a check has found, in a sentence or two. */
-export function resultOf(check: CheckView, points: number, attempts: Attempts): string {
+export function resultOf(
+  check: CheckView,
+  { points, hidden }: Pick<GoalView, "points" | "hidden">,
+  attempts: Attempts,
+): string {
   if (check.busy) return `Run ${Math.min(check.done + 1, check.total)} of ${check.total} …`;
   if (check.error) return `The check could not be made. ${check.error}`;
   const passed = Object.values(attempts).filter((attempt) => attempt.passed).length;
   const all = check.total === 1 ? "The run" : `All ${check.total} runs`;
   const some = `${passed} of ${check.total} runs passed`;
-  let sentence = `Not yet: ${check.points} of ${points} points.${check.total > 1 ? ` ${some}.` : ""}`;
+  const unseen = hidden === 1 ? "a world that you do not see" : `${hidden} worlds that you do not see`;
+  const far = hidden ? "" : ` ${check.points} of ${points} points.`;
+  let sentence = `Not yet:${far}${hidden || check.total > 1 ? ` ${some}.` : ""}`;
   if (check.passed) {
     const runs = passed < check.total ? `${some}, which is enough.` : `${all} met all criteria.`;
-    sentence = `Passed: ${points} of ${points} points. ${runs}`;
+    sentence = hidden
+      ? `Passed here. ${runs} Your points also depend on ${unseen}.`
+      : `Passed: ${points} of ${points} points. ${runs}`;
   }
   return check.stale ? `${sentence} The program has changed since.` : sentence;
 }

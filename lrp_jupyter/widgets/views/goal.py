@@ -20,6 +20,7 @@ from lrp_jupyter.errors import LRPError, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
+from lrp_jupyter.grading.handing_in import code_of
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
@@ -121,6 +122,8 @@ class Goal:
             "note": self._warning(session),
             "hints": list(hints[: self._hinted]),
             "more_hints": max(0, len(hints) - self._hinted),
+            "code": code_of(text) if self.task.exam else "",
+            "hidden": len(self.task.hidden),
             "check": self._check_view(text),
             "begun": self._begun,
             "trail": self._trail,

@@ -438,6 +438,8 @@ class GoalView(TypedDict):
     note: str  # a sentence about what is not as in the challenge
     hints: list[str]  # that were asked for
     more_hints: int
+    code: str  # of the text, to be written down in an exam; otherwise empty
+    hidden: int  # worlds in which only a teacher runs the program
     check: CheckView | None
     begun: int  # how often the robot was put back to its start here
     trail: list[tuple[float, float, float, str]]  # of a run shown then: time, x, y, innermost active state
