@@ -820,6 +820,27 @@ def lab(
 
 
 @command()
+def sheets(
+    folder: Annotated[Path, Argument(metavar="DIR", help="Folder of the sheets; it is created.")],
+    notebooks: Annotated[
+        Path | None, Option(metavar="DIR", help="Notebooks of your own instead of those of the package.")
+    ] = None,
+    pdf: Annotated[
+        bool, Option("--pdf", help="Print them to PDF, too, with Chromium or Chrome if one is installed.")
+    ] = False,
+) -> None:
+    """Write a worksheet for each lesson, and cards for a lesson without computers, as pages to be printed.
+
+    Each page needs no other file and no network: open it in a browser, and print it.
+    """
+    from lrp_jupyter.cli.lab_command import shipped_notebooks
+    from lrp_jupyter.site.sheets import write_sheets
+
+    written = write_sheets(notebooks or shipped_notebooks(), folder, pdf)
+    typer.echo(f"{len(written)} sheets are in {folder}: {written[0].name} … {written[-1].name}")
+
+
+@command()
 def site(
     folder: Annotated[Path, Argument(metavar="DIR", help="Folder of the site; it is created.")],
     notebooks: Annotated[
