@@ -220,13 +220,14 @@ def _run(job: Job) -> Referee:
     with Session(
         programs[0], bridge, rate=task.rate, namespace=namespace, name="grade", journal=0
     ) as session:
+        findings = session.check(programs[0])
 
         def over() -> bool:
-            return referee.see(bridge, session.interpreter) or perf_counter() > end
+            return referee.see(bridge, session.interpreter, findings) or perf_counter() > end
 
         for number, (program, seconds) in enumerate(zip(programs, job.durations, strict=True)):
             if number:
-                session.edit(program.text)
+                findings = session.edit(program.text)
             decided = session.run(
                 seconds + (1 + task.hold if number == len(programs) - 1 else 0),
                 after_tick=over,
@@ -241,8 +242,6 @@ def _run(job: Job) -> Referee:
                 break
         if session.fault:
             raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
-        if not all(verdict.passed for verdict in referee.verdicts(True)):
-            referee.run.findings = session.check(session.program)
     return referee
 
 

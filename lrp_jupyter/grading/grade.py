@@ -15,6 +15,7 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.grading.attempt import Attempt, Job
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion
+from lrp_jupyter.grading.notes import notes_about
 from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
@@ -37,6 +38,11 @@ class Grade:
         How many there would be; those that were not made earn nothing.
     needed : float
         Share of the runs that have to pass, 0 to 1.
+    start : float
+        Share of the points that the text which one begins with earns in the same runs, as measured: points
+        count above that.
+    notes : tuple of str
+        What a teacher may want to read in a program, such as an import of `sys`; no fault.
     """
 
     challenge: str
@@ -44,10 +50,12 @@ class Grade:
     out_of: float = 10
     runs: int = 0
     needed: float = 1.0
+    start: float = 0.0
+    notes: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, task: Challenge, made: Mapping[int, Attempt], runs: int) -> Grade:
-        """Return the grade for the runs that were made, given by their index; the first end is the last run.
+    def of(cls, task: Challenge, made: Mapping[int, Attempt], jobs: Sequence[Job]) -> Grade:
+        """Return the grade for the runs that were made, by their index; the first end is the last run.
 
         Several runs are made at the same time, so some after that one may have been made.
         """
@@ -56,7 +64,8 @@ class Grade:
             attempts.append(made[index])
             if made[index].ended:
                 break
-        return cls(task.name, tuple(attempts), task.points, runs, task.needed)
+        notes = notes_about(jobs[0].texts)
+        return cls(task.name, tuple(attempts), task.points, len(jobs), task.needed, notes=notes)
 
     @property
     def passed(self) -> bool:
@@ -75,12 +84,17 @@ class Grade:
         return next((attempt for attempt in self.attempts if not attempt.passed), None)
 
     @property
+    def share(self) -> float:
+        """How much of the criteria is met, 0 to 1: the mean of the runs."""
+        return sum(attempt.share for attempt in self.attempts) / max(self.runs, len(self.attempts), 1)
+
+    @property
     def points(self) -> float:
-        """The points earned, to one decimal: the mean of the runs. Only a program that passes gets all."""
-        if self.passed or not self.attempts:
-            return self.out_of if self.passed else 0.0
-        mean = sum(attempt.share for attempt in self.attempts) / max(self.runs, len(self.attempts))
-        return min(round(self.out_of * mean, 1), round(self.out_of - 0.1, 1))
+        """The points for the share above `start`, to one decimal; only a program that passes gets all."""
+        if self.passed:
+            return self.out_of
+        above = max(0.0, self.share - self.start) / (1 - self.start) if self.start < 1 else 0.0
+        return min(round(self.out_of * above, 1), round(self.out_of - 0.1, 1))
 
     @property
     def hints(self) -> tuple[str, ...]:
@@ -115,6 +129,7 @@ class Grade:
             lines += [f"  {verdict}" for verdict in shown.verdicts]
         if self.hint:
             lines.append(f"Hint: {self.hint}")
+        lines += [f"Note: {note}" for note in self.notes]
         return "\n".join(lines)
 
     def _summary(self) -> Iterator[str]:
@@ -176,7 +191,35 @@ def grade(
     for index, attempt in run_jobs(jobs, how, stop_at_end=True):
         attempt.check()
         attempts[index] = attempt
-    return Grade.of(task, attempts, len(jobs))
+    result = Grade.of(task, attempts, jobs)
+    how = how._replace(namespace=dict(jobs[0].namespace))
+    begun = run_jobs(starter_jobs(result, task, how), how, stop_at_end=True)
+    return above_starter(result, task, [made for _, made in begun])
+
+
+def starter_jobs(result: Grade, task: Challenge, how: HowRun) -> list[Job]:
+    """Return the runs of the text that one begins with, if the points of a grade depend on them.
+
+    None are made for a program that passes or earns nothing, nor a second time in this process.
+    """
+    if result.passed or not result.share or start_of(task) is not None:
+        return []
+    return jobs_of(task.beginning, task, how=how)[1]
+
+
+def above_starter(result: Grade, task: Challenge, begun: Sequence[Attempt]) -> Grade:
+    """Return a grade whose points count above those of the text that one begins with, after its runs."""
+    if begun and start_of(task) is None:
+        _starters.append((task, sum(made.share for made in begun) / result.runs))
+    return replace(result, start=start_of(task) or 0.0)
+
+
+_starters: list[tuple[Challenge, float]] = []  # measured in this process
+
+
+def start_of(task: Challenge) -> float | None:
+    """Return the share of the points that the text which one begins with earns; None if it is not known."""
+    return next((share for known, share in _starters if known == task), None)
 
 
 def jobs_of(

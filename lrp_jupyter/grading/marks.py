@@ -52,7 +52,7 @@ class Marks:
     def csv(self) -> str:
         """Return a table with a row for each submission; ``first_…`` describes its first failed run."""
         columns = ("student", "file", "challenge", "points", "out_of", "passed", "runs_passed", "runs")
-        last = ("first_world", "first_seed", "first_reason", "first_hint", "as_given", "code")
+        last = ("first_world", "first_seed", "first_reason", "first_hint", "as_given", "code", "notes")
         return csv_text((*columns, *last), self._rows())
 
     def _rows(self) -> Iterator[tuple[object, ...]]:
@@ -64,7 +64,7 @@ class Marks:
                 *("yes" if grade.passed else "no", grade.runs_passed, grade.runs),
                 *(first.world if first else "", first.seed if first else ""),
                 *(first.reason.partition("\n")[0] if first else "", grade.hint),
-                *("yes" if submission.as_given else "no", mark.code),
+                *("yes" if submission.as_given else "no", mark.code, " ".join(grade.notes)),
             )
 
     def to_json(self) -> str:
@@ -88,6 +88,7 @@ class Marks:
             "runs": grade.runs,
             "runs_passed": grade.runs_passed,
             "hints": grade.hints,
+            "notes": grade.notes,
             "attempts": [{**each.to_dict(), "passed": each.passed} for each in grade.attempts],
         }
 
@@ -151,7 +152,7 @@ def grade_class(
 def _unread(submission: Submission, task: Challenge, seeds: int | Iterable[int] | None) -> Grade:
     """Return the grade of a submission that cannot be read."""
     jobs = jobs_of("", task, seeds)[1]
-    return Grade.of(task, {0: failed("text", "can be read", submission.problem).of(jobs[0])}, len(jobs))
+    return Grade.of(task, {0: failed("text", "can be read", submission.problem).of(jobs[0])}, jobs)
 
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -7,6 +7,7 @@ watches, and grading asks one for each of its runs.
 from __future__ import annotations
 
 from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import Finding, ended
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import Criterion, State, Verdict, no_faults, not_carried
 from lrp_jupyter.grading.run_record import RunRecord
@@ -28,9 +29,13 @@ class Referee:
         self._latest: dict[Criterion, Verdict] = {}
         self._met_since: float | None = None  # all criteria
 
-    def see(self, bridge: SimBridge, interpreter: Interpreter) -> bool:
-        """Record the tick that has just ended; return whether the run is decided. On the loop's thread."""
+    def see(self, bridge: SimBridge, interpreter: Interpreter, findings: tuple[Finding, ...] = ()) -> bool:
+        """Record the tick that has just ended; return whether the run is decided. On the loop's thread.
+
+        `findings`: what the checks find in the program that runs.
+        """
         run = self.run
+        run.findings = findings
         if not run.samples:
             self._restarts = interpreter.restarts
         run.sample(bridge, interpreter)
@@ -90,8 +95,11 @@ class Referee:
         latest = self._latest
         shown = [latest.get(each, Verdict(each.sentence, False, "")) for each in self.task.criteria]
         known = {verdict.sentence for verdict in shown}
-        broken = (latest[rule] for rule in _RULES if rule in latest and not latest[rule].passed)
-        shown += [verdict for verdict in broken if verdict.sentence not in known]
+        shown += [
+            verdict._replace(reason=f"{ended(verdict.reason)} This costs all points of the run.")
+            for verdict in self._broken
+            if verdict.sentence not in known
+        ]
         if not is_over:
             return tuple(shown)
         cut = any(each.state == "failed" for each in shown)
@@ -106,12 +114,21 @@ class Referee:
         )
 
     @property
+    def _broken(self) -> list[Verdict]:
+        """The verdicts on the rules of every challenge that are broken."""
+        found = (self._latest.get(rule) for rule in _RULES)
+        return [verdict for verdict in found if verdict is not None and not verdict.passed]
+
+    @property
     def share(self) -> float:
         """The share of the points that the run earns, 0 to 1.
 
         The criteria count alike, in their order, up to the first one that is not met, of which its share
-        counts: what comes later is not earned before.
+        counts: what comes later is not earned before. A run that breaks a rule of every challenge earns
+        nothing.
         """
+        if self._broken:
+            return 0.0
         earned = 0.0
         for criterion in self.task.criteria:
             verdict = self._latest.get(criterion)

@@ -83,7 +83,7 @@ class RunRecord:
     `issues`: the open ones.
     `notices`: what the robot's safety has done, such as stopping a robot that got no commands.
     `commands`: number of commands that the robot got.
-    `findings`: what the checks find in the last text; known when the run has ended without passing.
+    `findings`: what the checks find in the program.
     """
 
     world: World

@@ -126,12 +126,14 @@ def never_restarts() -> Criterion:
 
 
 def no_faults() -> Criterion:
-    """Require that the program runs without issues; holds in every challenge."""
+    """Require that the program runs without issues; holds in every challenge.
+
+    An error that the checks find is an issue to come, also in a state that the run does not enter.
+    """
 
     def judge(run: RunRecord) -> Found:
-        if not run.issues:
-            return Found(1, "no issue")
-        issue = run.issues[0]
-        return Found(0, f"line {issue.line}: {issue.message}")
+        errors = (finding for finding in run.findings if finding.severity == "error")
+        fault = run.issues[0] if run.issues else next(errors, None)
+        return Found(not fault, f"line {fault.line}: {fault.message}" if fault else "no issue")
 
     return Criterion("runs without issues", judge, needs_motion=False)

@@ -16,15 +16,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.errors import Finding, LRPError, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt
 from lrp_jupyter.grading.challenges import Challenge
-from lrp_jupyter.grading.grade import Grade, jobs_of
+from lrp_jupyter.grading.grade import Grade, above_starter, jobs_of, starter_jobs
 from lrp_jupyter.grading.handing_in import code_of
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
-from lrp_jupyter.language.program import path_text
+from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, Solid, World, Zone
 from lrp_jupyter.sim.worlds import load
@@ -62,6 +62,8 @@ class Goal:
         self._check: _Check | None = None
         self._hinted = 0
         self._begun = 0
+        self._checked: Program | None = None
+        self._findings: tuple[Finding, ...] = ()  # about it
         self._trail: list[tuple[float, float, float, str]] = []
         self._wake: Callable[[], None] = lambda: None
         self._end: Callable[[], None] = lambda: None
@@ -94,7 +96,7 @@ class Goal:
             self._is_over = False
         # a run that began before it was watched cannot be judged
         if not self._is_over and (samples or now < 1):
-            self._is_over = referee.see(bridge, session.interpreter)
+            self._is_over = referee.see(bridge, session.interpreter, self._findings)
 
     # -- what is shown: on the publisher's thread -----------------------------------------------------
 
@@ -110,6 +112,8 @@ class Goal:
 
     def view(self, session: Session, text: str) -> GoalView:
         """Return everything else."""
+        if session.program is not self._checked:  # here, so that it costs the robot nothing
+            self._checked, self._findings = session.program, session.check(session.program)
         hints = self._hints
         return {
             "name": self.task.name,
@@ -146,7 +150,7 @@ class Goal:
         check = self._check
         if check is None:
             return None
-        is_whole = len(check.made) == len(check.jobs)
+        is_whole = len(check.made) == len(check.jobs) and not check.busy
         return {
             "busy": check.busy,
             "stale": check.text != text,
@@ -168,7 +172,7 @@ class Goal:
         if self._check is not None:
             self._check.halted.set()
         _, jobs = jobs_of(text, self.task, how=_HOW._replace(namespace=session.namespace))
-        check = _Check(text, jobs, Grade.of(self.task, {}, len(jobs)))
+        check = _Check(text, jobs, Grade.of(self.task, {}, jobs))
         self._check, self._hinted = check, 0
         if session.driver == "asyncio":
             self._task = asyncio.get_running_loop().create_task(self._run_here(check))
@@ -181,6 +185,8 @@ class Goal:
             for index, made in run_jobs(check.jobs, _HOW, halt=check.halted):
                 made.check()
                 self._note(check, index, made)
+            begun = run_jobs(self._starter_jobs(check), _HOW, halt=check.halted)
+            self._settle(check, [made for _, made in begun])
 
     async def _run_here(self, check: _Check) -> None:
         """Make the runs one by one, letting the program run in between."""
@@ -191,13 +197,26 @@ class Goal:
                 if check.halted.is_set():
                     return
                 self._note(check, index, attempt(job))
+            begun = []
+            for job in self._starter_jobs(check):
+                await asyncio.sleep(0.05)
+                begun.append(attempt(job))
+            self._settle(check, begun)
 
     def _note(self, check: _Check, index: int, made: Attempt) -> None:
         check.made[index] = made
-        check.grade = Grade.of(self.task, check.made, len(check.jobs))
+        check.grade = Grade.of(self.task, check.made, check.jobs)
         world = self._world_of(index)
         check.views[str(index)] = _attempt_view(made, world, self._worlds[world].size[1])
         self._wake()
+
+    def _starter_jobs(self, check: _Check) -> list[Job]:
+        how = _HOW._replace(namespace=dict(check.jobs[0].namespace))
+        return starter_jobs(check.grade, self.task, how)
+
+    def _settle(self, check: _Check, begun: Sequence[Attempt]) -> None:
+        if not check.halted.is_set():
+            check.grade = above_starter(check.grade, self.task, begun)
 
     def _world_of(self, index: int) -> int:
         """Return the place of the world of a run among those of the challenge."""
