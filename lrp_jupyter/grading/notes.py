@@ -53,7 +53,7 @@ def _notes(node: ast.AST, block: ScannedBlock, variables: Iterable[str]) -> Iter
             yield f"uses `.{node.attr}`"
         case ast.Attribute(ctx=ast.Store() | ast.Del()):
             root = ast.unparse(node).partition(".")[0]
-            if root not in variables and root not in block.stored:
+            if root == "robot" or root in block.imported or not root.isidentifier():
                 yield f"changes `{ast.unparse(node)}`"
         case ast.Name() if node.id in variables or node.id in block.stored:
             pass

@@ -1,5 +1,7 @@
 """A program that attacks what grades it costs itself its marks, and nobody else theirs."""
 
+import csv
+import io
 import json
 import os
 import signal
@@ -18,7 +20,12 @@ from lrp_jupyter.grading.attempt import Attempt, Job
 from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.criteria.criterion import Verdict
+from lrp_jupyter.grading.grade import grade
+from lrp_jupyter.grading.marks import grade_class
+from lrp_jupyter.grading.notes import notes_about
+from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.workers import HowRun
+from lrp_jupyter.programs import load, names
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 FIRST = challenge("first move")
@@ -44,6 +51,48 @@ def writing(data):
 
 def framed(text):
     return struct.pack(">Q", len(text)) + text.encode()
+
+
+NOTED = {
+    "from lrp_jupyter.bridges.sim import SimBridge": "imports `lrp_jupyter.bridges.sim`, which judges the program",
+    "import gc": "imports `gc`",
+    "import numpy.random as r": "imports `numpy.random`",
+    "from time import monotonic": "imports `time`, whose clock is that of the run when it is graded",
+    "robot._bridge": "uses `._bridge`",
+    "().__class__": "uses `.__class__`",
+    "__builtins__": "uses `__builtins__`",
+    "f'{robot._prefix}'": "uses `._prefix`",
+    "'{0.__doc__}'.format(robot)": "has a text with `__`",
+    "e = exec": "runs a text as Python with `exec`",
+    "getattr(robot, 'move')": "looks up a name with `getattr`",
+    "list(map(open, ['x']))": "opens a file with `open`",
+    "import math; math.pi = 3": "changes `math.pi`",
+    "robot.move.x = 3": "changes `robot.move.x`",
+    "type(robot).move = 3": "changes `type(robot).move`",
+}
+
+
+def test_a_program_that_reaches_beyond_its_robot_is_noted_with_its_line():
+    text = "(machine m\n (state a)\n (state b (running [0]))) (spawn m a)"
+    noted = {block: notes_about([text.replace("0", block)]) for block in NOTED}
+    assert noted == {block: (f"Line 3 {note}.",) for block, note in NOTED.items()}
+
+
+def test_an_ordinary_program_is_not_noted():
+    block = "for _ in range(3): import math, random; n = math.pi; msg = robot.drive_to; log.append(open)"
+    usual = f"(var open := [0]) (var log := [[]]) (machine m (state a (running [{block}]))) (spawn m a)"
+    assert notes_about([usual, "(machine", *map(load, names())]) == ()
+
+
+def test_what_is_noted_is_in_the_marks_and_costs_nothing():
+    text = DRIVE.replace("[", "[import gc; ")
+    result = grade(text, FIRST)
+    note = "Line 1 imports `gc`."
+    assert (result.points, result.notes) == (10, (note,))
+    assert str(result).endswith(f"\nNote: {note}")
+    marks = grade_class([Submission("Ada", "ada.lrp", text), Submission("Bob", "bob.lrp", None, "?")], FIRST)
+    assert [row["notes"] for row in csv.DictReader(io.StringIO(marks.csv()))] == [note, ""]
+    assert [each["notes"] for each in json.loads(marks.to_json())["submissions"]] == [[note], []]
 
 
 ANSWERS = ["[]", "{}", "5", "null", '{"fault": 3}', "[" * 100_000, '"\\ud800"', json.dumps(FORGED)]
