@@ -21,7 +21,7 @@ import lrp_jupyter
 from lrp_jupyter import Session
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.codes import CODES, Code
-from lrp_jupyter.grading.challenges import challenges as known_challenges
+from lrp_jupyter.grading.challenges import challenges_by_series
 from lrp_jupyter.language.deviations import DEVIATIONS
 from lrp_jupyter.sim.worlds import DESCRIPTIONS
 
@@ -108,10 +108,13 @@ def worlds() -> str:
 
 
 def challenges() -> str:
-    """Return the challenges."""
-    return _table(
-        ["challenge", "what the robot has to do"],
-        ((each.name, each.assignment) for each in known_challenges()),
+    """Return the challenges, each series in a table of its own."""
+    return "\n\n".join(
+        _table(
+            [series or "challenge", "what the robot has to do"],
+            ((each.name, each.assignment) for each in members),
+        )
+        for series, members in challenges_by_series().items()
     )
 
 

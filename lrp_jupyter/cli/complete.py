@@ -61,10 +61,10 @@ def speeds(incomplete: str) -> list[str]:
 
 
 def challenges(incomplete: str) -> list[str]:
-    """Complete the name of a challenge."""
+    """Complete the name of a challenge; that of one of a series when it has been begun."""
     from lrp_jupyter.grading.challenges import challenges as known
 
-    return _beginning(incomplete, [each.name for each in known()])
+    return _beginning(incomplete, [each.name for each in known() if incomplete or not each.series])
 
 
 def codes(incomplete: str) -> list[str]:

@@ -116,13 +116,16 @@ def list_options(name: str) -> None:
 
 
 def list_challenges() -> None:
-    """Print the available challenges."""
-    from lrp_jupyter.grading.challenges import challenges
+    """Print the available challenges, each series in a table of its own."""
+    from lrp_jupyter.grading.challenges import challenges_by_series
 
-    table = table_of("challenge", "what the robot has to do")
-    for each in challenges():
-        table.add_row(Text(each.name, "bold"), Text(each.assignment))
-    show_table(table)
+    for series, members in challenges_by_series().items():
+        if series:
+            sys.stdout.write("\n")
+        table = table_of(series or "challenge", "what the robot has to do")
+        for each in members:
+            table.add_row(Text(each.name, "bold"), Text(each.assignment))
+        show_table(table)
 
 
 def explain_code(word: str | None) -> None:

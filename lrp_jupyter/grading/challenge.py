@@ -73,6 +73,8 @@ class Challenge:
     hold : float
         Seconds for which the criteria have to stay met if any is about the end of the run, which then goes on
         for so long: what holds for a moment is not yet an end.
+    series : str
+        The series of challenges that it belongs to, under which lists show it.
     live : float
         If it is not 0, the task is to edit a running program: a run begins with `starter`, and after so many
         seconds the program that is graded takes its place.
@@ -105,6 +107,7 @@ class Challenge:
     hold: float = 4.0
     hidden: tuple[str | Path | World, ...] = ()
     exam: bool = False
+    series: str = ""
 
     def __post_init__(self) -> None:
         """Check the values, and read the files of worlds.

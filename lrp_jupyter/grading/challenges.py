@@ -8,11 +8,22 @@ from pathlib import Path
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.files import run_python
 from lrp_jupyter.grading.bundled import BUNDLED
+from lrp_jupyter.grading.bundled.exercises import EXERCISES
 from lrp_jupyter.grading.challenge import Challenge, Hint, folder
 
-__all__ = ["BUNDLED", "Challenge", "Hint", "challenge", "challenges", "load", "register"]
+__all__ = [
+    "BUNDLED",
+    "EXERCISES",
+    "Challenge",
+    "Hint",
+    "challenge",
+    "challenges",
+    "challenges_by_series",
+    "load",
+    "register",
+]
 
-_challenges: dict[str, Challenge] = {each.name: each for each in BUNDLED}
+_challenges: dict[str, Challenge] = {each.name: each for each in (*BUNDLED, *EXERCISES)}
 
 
 def register(new: Challenge) -> Challenge:
@@ -34,6 +45,14 @@ def challenges() -> tuple[Challenge, ...]:
     return tuple(_challenges.values())
 
 
+def challenges_by_series() -> dict[str, list[Challenge]]:
+    """Return the challenges by the series that they belong to; first, under ``""``, those of none."""
+    found: dict[str, list[Challenge]] = {"": []}
+    for each in challenges():
+        found.setdefault(each.series, []).append(each)
+    return found
+
+
 def challenge(name: str, otherwise: str = "; or a file whose name ends with `.py`") -> Challenge:
     """Return the challenge of a name, in any case, with spaces, hyphens or underscores.
 
@@ -45,7 +64,8 @@ def challenge(name: str, otherwise: str = "; or a file whose name ends with `.py
     if wanted in known:
         return known[wanted]
     hint = did_you_mean(wanted, known)
-    names = ", ".join(each.name for each in challenges())
+    single, *series = challenges_by_series().values()
+    names = ", ".join([*(each.name for each in single), *(f"{a[0].name} to {a[-1].name}" for a in series)])
     raise LRPError(f"There is no challenge `{name}`.{hint} Choose one of: {names}{otherwise}.")
 
 

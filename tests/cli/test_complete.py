@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from lrp_jupyter import programs
+from lrp_jupyter.grading.challenges import BUNDLED, EXERCISES
 
 
 def asked(words: str) -> dict[str, str]:
@@ -30,6 +31,11 @@ def asked(words: str) -> dict[str, str]:
         ("lrp run mine.lrp --set ", {"n=", "k="}),
         ("lrp graph follower --machine follower/", {"follower/looking/lookalgo"}),
         ("lrp grade follower --challenge follow", {"follow the line"}),
+        ("lrp grade follower --challenge ", {each.name for each in BUNDLED}),
+        (
+            "lrp grade follower --challenge ex",
+            {each.name for each in BUNDLED + EXERCISES if "ex" in each.name[:2]},
+        ),
         ("lrp programs --show esc", {"escapement"}),
         ("lrp worlds --json ma", {"maze"}),
         ("lrp run follower --noise m", {"motor="}),

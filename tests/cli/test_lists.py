@@ -1,4 +1,5 @@
 import json
+import re
 from importlib.metadata import version
 
 import pytest
@@ -6,7 +7,7 @@ import pytest
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.ros.setup import setup_from_dict
 from lrp_jupyter.codes import CODES
-from lrp_jupyter.grading.challenges import challenges
+from lrp_jupyter.grading.challenges import challenges_by_series
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
 
@@ -90,8 +91,11 @@ def test_the_options_of_a_bridge_that_does_not_exist_are_a_sentence(lrp):
 
 def test_challenges_are_listed_when_none_is_named(lrp):
     result = lrp("grade")
-    listed = [name for name in _first_words(result.stdout) if name]  # without the second lines of tasks
-    assert (result.exit_code, listed) == (0, [each.name for each in challenges()])
+    tables = result.stdout.split("\n\n")
+    listed = [[name for name in _first_words(table) if name] for table in tables]  # no second lines of tasks
+    by_series = challenges_by_series()
+    assert (result.exit_code, listed) == (0, [[each.name for each in some] for some in by_series.values()])
+    assert [table.split("   ")[0] for table in tables[1:]] == list(by_series)[1:]
     result = lrp("grade", "stopwatch")
     assert result.exit_code == 2
     assert "--challenge" in result.stderr
@@ -121,6 +125,7 @@ def test_an_unknown_challenge_is_a_sentence(lrp):
     result = lrp("grade", "follower", "--challenge", "frst move")
     assert result.exit_code == 2
     assert "Did you mean `first move`?" in result.stderr
+    assert re.search(r"edit it live, exercise [\d.]+ to exercise [\d.]+[,;]", result.stderr)
 
 
 def test_every_code_is_listed(lrp):

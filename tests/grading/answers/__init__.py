@@ -7,10 +7,13 @@ change of the solution: each line ``- text`` is replaced by the line ``+ text`` 
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["ANSWERS", "Answer"]
+__all__ = ["ANSWERS", "Answer", "of_series"]
+
+SOLUTIONS = Path(__file__).parents[3] / "notebooks" / "teachers" / "solutions"
 
 
 class Answer(NamedTuple):
@@ -48,17 +51,36 @@ def _changed(solution: str, lines: list[str]) -> str:
     return solution
 
 
-def _read(path: Path) -> list[Answer]:
+def _read(text: str, solution: str = "") -> list[Answer]:
     answers: list[Answer] = []
-    header, *sections = path.read_text(encoding="utf-8").split(";;; ")
+    header, *sections = text.split(";;; ")
     name = header.strip().removeprefix("; challenge: ")
     for section in sections:
         title, _, body = section.partition("\n")
         kind, _, about = title.partition(": ")
         lines = body.strip().splitlines()
-        text = _changed(answers[0].text, lines) if body.lstrip().startswith("- ") else body
-        answers.append(Answer(name, kind, about, text))
+        is_change = body.lstrip().startswith("- ")
+        answers.append(
+            Answer(name, kind, about, _changed(solution or answers[0].text, lines) if is_change else body)
+        )
     return answers
 
 
-ANSWERS = [answer for path in sorted(Path(__file__).parent.glob("*.lrp")) for answer in _read(path)]
+def of_series() -> list[Answer]:
+    """Return the cheats and wrong answers of the exercises and bugs, each file those of a notebook.
+
+    What they change is the teachers' solution.
+    """
+    answers = []
+    for path in sorted((Path(__file__).parent / "exercises").glob("*.lrp")):
+        for part in re.split(r"^(?=; challenge: )", path.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
+            name = part.partition("\n")[0].removeprefix("; challenge: ").replace(" ", "-")
+            answers += _read(part, (SOLUTIONS / f"{name}.lrp").read_text(encoding="utf-8"))
+    return answers
+
+
+ANSWERS = [
+    answer
+    for path in sorted(Path(__file__).parent.glob("*.lrp"))
+    for answer in _read(path.read_text(encoding="utf-8"))
+]

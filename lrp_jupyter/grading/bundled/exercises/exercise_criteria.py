@@ -1,0 +1,26 @@
+"""Criteria that only exercises have."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from lrp_jupyter.grading.criteria import Criterion, Found
+from lrp_jupyter.grading.run_record import RunRecord, Sample, angle_between
+
+
+def turns_to(side: Literal["left", "right"], degrees: float, after: str = "") -> Criterion:
+    """Require that the robot turns this far to one side: in all, or after it has touched a solid."""
+
+    def judge(run: RunRecord) -> Found:
+        def step(so_far: tuple[bool, float], now: Sample, before: Sample) -> tuple[bool, float]:
+            counts, turned = so_far
+            angle = math.degrees(angle_between(before, now)) * (1 if side == "left" else -1)
+            turned += max(0.0, angle) if counts and before.command[1] else 0.0
+            return counts or after in now.touched, turned
+
+        _, turned = run.fold(step, (not after, 0.0), ("turns to", side, after))
+        return Found(turned / degrees, f"it turned {turned:.0f}° to the {side}")
+
+    there = f" after touching the {after}" if after else ""
+    return Criterion(f"turns at least {degrees:g}° to the {side}{there}", judge, "once")
