@@ -7,7 +7,9 @@ the old file as it was.
 
 from __future__ import annotations
 
+import codecs
 import os
+import re
 import secrets
 import stat
 import time
@@ -188,6 +190,43 @@ def decoded(data: bytes, name: str) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from error
+
+
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF32_LE, "utf-32"),  # which begins with the mark of UTF-16
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_NOT_IN_TEXTS = re.compile("[\x00-\x08\x0e-\x1f\x7f]")
+
+
+def guessed(data: bytes, name: str) -> tuple[str, str]:
+    """Return bytes in any usual encoding as text and, where that is a guess, a sentence that says so.
+
+    `name` says in the sentences where they are from.
+    Raises FileError: they are not a text.
+    """
+    marked = next((encoding for mark, encoding in _MARKS if data.startswith(mark)), "")
+    nulls = data.count(0) * 3 > len(data)  # every second byte of a text in UTF-16 that is mostly English
+    wide = ("utf-16-le", "utf-16-be")[data[:1] == b"\0"] if nulls else ""
+    for encoding in (marked,) if marked else (wide,) if wide else ("utf-8", "cp1252", "latin-1"):
+        try:
+            text = data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        is_certain = bool(marked) or encoding == "utf-8"
+        if "\0" in text or not (is_certain or _NOT_IN_TEXTS.search(text) is None):
+            break
+        if is_certain:
+            return text, ""
+        said = {"cp1252": "Windows-1252", "latin-1": "Latin-1"}.get(encoding, "UTF-16")
+        return (
+            text,
+            f"{name} is not UTF-8 and was read as {said}, which is a guess: look at its special letters.",
+        )
+    raise FileError(f"{name} is not a text: it has bytes that no text has. Save the program as text again.")
 
 
 def shown(path: str | os.PathLike[str]) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import typer
 from rich.text import Text
@@ -16,50 +17,123 @@ from lrp_jupyter.cli.lists import show_table, table_of
 from lrp_jupyter.cli.program_source import read_source
 from lrp_jupyter.cli.run_options import check_outputs, pairs_of
 from lrp_jupyter.errors import FileError, LRPSyntaxError
-from lrp_jupyter.files import write_file
+from lrp_jupyter.files import shown, write_file
 from lrp_jupyter.grading.attempt import Attempt
 from lrp_jupyter.grading.challenges import Challenge, load
-from lrp_jupyter.grading.marks import FORMS, Marks, grade_class
+from lrp_jupyter.grading.feedback import write_feedback
+from lrp_jupyter.grading.gradebooks import fill_in
+from lrp_jupyter.grading.marks import Mark, Marks, grade_class
+from lrp_jupyter.grading.marks_forms import FORMS
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.submissions import Submission, find_submissions
+from lrp_jupyter.grading.summary import summaries
 from lrp_jupyter.grading.sweep import Sweep, Value, sweep_axes
 from lrp_jupyter.grading.workers import HowRun
 
 _MOST = 1000  # values of a variable
 
 
+class MarksFiles(NamedTuple):
+    """Where the marks of a class are written.
+
+    `out`: files in the forms of `FORMS`.
+    `table`: a table of students and challenges.
+    `feedback`: a folder, for a page for each student.
+    `gradebook`: a table of Moodle or Canvas, of which a copy is filled in.
+    `column`: the one of the gradebook for the points.
+    `separator`: between the cells of tables.
+    """
+
+    out: Sequence[Path] = ()
+    table: Path | None = None
+    feedback: Path | None = None
+    gradebook: Path | None = None
+    column: str | None = None
+    separator: str = ","
+
+    @property
+    def filled(self) -> Path | None:
+        """The copy of the gradebook."""
+        book = self.gradebook
+        return None if book is None else book.with_name(f"{book.stem}-marked{book.suffix}")
+
+    @property
+    def named(self) -> list[Path]:
+        """All that the command names beside submissions."""
+        found = (*self.out, self.table, self.feedback, self.gradebook, self.filled)
+        return [path for path in found if path is not None]
+
+    def check(self) -> None:
+        """Raise an error if something cannot be written, before anything runs."""
+        check_outputs(self.out, tuple(FORMS))
+        check_outputs([self.table] if self.table else [], (".csv",))
+        if self.feedback is not None and not self.feedback.absolute().parent.is_dir():
+            raise FileError(f"`{shown(self.feedback)}` cannot be written: there is no such folder around it.")
+        if self.gradebook is not None and not self.gradebook.is_file():
+            raise FileError(f"`{shown(self.gradebook)}` is not a file. Name the table that you downloaded.")
+
+    def write(self, marks: Marks) -> Iterator[str]:
+        """Write the files, and yield what is to be told."""
+        for path in self.out:
+            write_file(path, FORMS[path.suffix.lower()](marks, self.separator))
+            yield f"written: {path}"
+        if self.table is not None:
+            write_file(self.table, marks.table(self.separator))
+            yield f"written: {self.table}"
+        if self.feedback is not None:
+            pages = write_feedback(marks, self.feedback)
+            yield f"written: {len(pages)} pages in {self.feedback}"
+        if self.gradebook is not None and self.filled is not None:
+            filled = fill_in(self.gradebook, marks, self.column)
+            write_file(self.filled, filled.text)
+            yield f"written: {self.filled}, with the points of {filled.rows} students"
+            yield from filled.notes
+
+
 def grade_files(
     files: Sequence[str],
-    name: str,
+    name: str | None,
     seeds: int | None,
-    out: Sequence[Path],
+    where: MarksFiles,
     how: HowRun,
     given: Path | None = None,
 ) -> int:
-    """Grade one program and explain its grade, or those of a class and list them; return the exit code."""
-    task = load(name)
-    whole = task.whole()
-    check_outputs(out, tuple(FORMS))
-    submissions = _submissions(files, task, given)
-    alone = len(files) == 1 and not Path(files[0]).is_dir()
+    """Grade one program and explain its grade, or those of a class and list them; return the exit code.
+
+    `name`: the challenge; None for those that the programs name.
+    """
+    task = None if name is None else load(name)
+    is_exam = task is not None and task.exam
+    where.check()
+    submissions = _submissions(files, task, given, where.named)
+    alone = len(files) == 1 and not _is_class(files[0])
     if alone and submissions[0].text is None:
         raise FileError(submissions[0].problem)
     if alone:
-        marks = grade_class(submissions, whole, seeds, how)
-        _explain(marks, task.exam)
+        marks = grade_class(submissions, task, seeds, how)
+        _explain(marks, is_exam)
     else:
         with shown_progress("grading", lines=True) as progress:
-            marks = grade_class(submissions, whole, seeds, how, progress)
-        _list(marks, task.exam)
-    if seeds is not None and seeds < task.count:
-        plain_console().print(
-            f"Note: the challenge has {task.count} seeds, and with {seeds} a program may pass by luck."
-        )
-    for path in out:
-        write_file(path, FORMS[path.suffix.lower()](marks))
-        if not alone:
-            plain_console().print(f"written: {path}")
-    return _code(marks.attempts) or int(alone and not marks.marks[0].grade.passed)
+            marks = grade_class(submissions, task, seeds, how, progress)
+        _list(marks, is_exam)
+    fewer = [each for each in marks.tasks if seeds is not None and seeds < each.count]
+    if fewer:
+        plain_console().print(f"Note: {_said(fewer)}, and with {seeds} a program may pass by luck.")
+    for line in where.write(marks):
+        if not alone or not line.startswith("written"):
+            plain_console().print(line)
+    return _code(marks.attempts) or int(alone and not all(mark.grade.passed for mark in marks.marks))
+
+
+def _said(tasks: Sequence[Challenge]) -> str:
+    """Say how many seeds challenges have."""
+    if len(tasks) == 1:
+        return f"the challenge has {tasks[0].count} seeds"
+    return "the challenges have more seeds"
+
+
+def _is_class(file: str) -> bool:
+    return Path(file).is_dir() or file.lower().endswith(".zip")
 
 
 def sweep_file(
@@ -146,49 +220,79 @@ def _listed(name: str, text: str) -> tuple[Value, ...]:
     return tuple(dict.fromkeys(values))
 
 
-def _submissions(files: Sequence[str], task: Challenge, given: Path | None) -> list[Submission]:
+def _submissions(
+    files: Sequence[str], task: Challenge | None, given: Path | None, apart_from: Sequence[Path]
+) -> list[Submission]:
     found: list[Submission] = []
     for file in files:
         if Path(file).exists():
-            found += find_submissions([file], task, given)
+            found += find_submissions([file], task, given, [*apart_from, *([given] if given else [])])
         else:
             source = read_source(file)
-            found.append(Submission(source.name, source.name, source.text))
+            name = task.name if task else source.challenge or ""
+            found.append(Submission(source.name, source.name, source.text, challenge=name))
     return found
 
 
 def _explain(marks: Marks, is_exam: bool) -> None:
-    mark = marks.marks[0]
-    code = f"\nHand-in code: {mark.code}" if is_exam else ""
-    report = Text(f"{mark.submission.file}, {mark.grade}{code}")
-    report.highlight_regex(r"✓", "green")
-    report.highlight_regex(r"✗", "bold red")
-    report.highlight_regex(r"(?m)^Hint:", "bold yellow")
-    plain_console().print(report)
+    for mark in marks.marks:
+        notes = "".join(f"\nNote: {note}" for note in mark.submission.notes)
+        code = f"\nHand-in code: {mark.code}" if is_exam else ""
+        report = Text(f"{mark.submission.file}, {mark.grade}{notes}{code}")
+        report.highlight_regex(r"✓", "green")
+        report.highlight_regex(r"✗", "bold red")
+        report.highlight_regex(r"(?m)^(?:Hint|Note):", "bold yellow")
+        plain_console().print(report)
 
 
 def _list(marks: Marks, is_exam: bool) -> None:
+    if len(marks.tasks) == 1:
+        _list_reasons(marks, is_exam)
+    else:
+        _list_tasks(marks)
+    for summary in summaries(marks):
+        plain_console().print(Text(str(summary)))
+
+
+def _list_reasons(marks: Marks, is_exam: bool) -> None:
+    """Print a row for each submission, for one challenge."""
     table = table_of("student", "points", "runs", *(["code"] if is_exam else []), "first reason")
     for mark in marks.marks:
         grade = mark.grade
-        points = Text(f"{grade.points:g} of {grade.out_of:g}", "green" if grade.passed else "bold red")
+        points = Text(f"{grade.points:g} of {grade.out_of:g}", _colour(mark))
         runs = Text(f"{grade.runs_passed} of {grade.runs}")
-        reason = grade.first_failed.reason.partition("\n")[0] if grade.first_failed else ""
-        if mark.submission.as_given:
-            reason = f"as given. {reason}"
+        said = ("as given." if mark.submission.as_given else "", mark.reason, *mark.notes)
         table.add_row(
             Text(mark.submission.student, "bold"),
             points,
             runs,
             *([Text(mark.code)] if is_exam else []),
-            Text(reason, no_wrap=True, overflow="ellipsis"),
+            Text(" ".join(filter(None, said)), no_wrap=True, overflow="ellipsis"),
         )
     show_table(table)
-    grades = [mark.grade for mark in marks.marks]
-    mean = sum(grade.points for grade in grades) / len(grades)
-    passed = sum(grade.passed for grade in grades)
-    average = f"{mean:.1f} of {marks.out_of:g} points on average"
-    plain_console().print(f"{marks.challenge}: {passed} of {len(grades)} passed; {average}")
+
+
+def _colour(mark: Mark) -> str:
+    return "green" if mark.grade.passed else "bold red"
+
+
+def _list_tasks(marks: Marks) -> None:
+    """Print a row for each student, with a column for each challenge."""
+    table = table_of("student", *marks.names, "points", "notes")
+    for student in marks.students:
+        found = (student.mark(name) for name in marks.names)
+        cells = (
+            Text("") if mark is None else Text(f"{mark.grade.points:g}", _colour(mark)) for mark in found
+        )
+        said = [mark.submission.problem for mark in student.marks if mark.submission.text is None]
+        said += [note for mark in student.marks for note in mark.notes]
+        table.add_row(
+            Text(student.student, "bold"),
+            *cells,
+            Text(f"{student.points:g} of {marks.out_of:g}"),
+            Text(" ".join(said), no_wrap=True, overflow="ellipsis"),
+        )
+    show_table(table)
 
 
 def _code(attempts: Sequence[Attempt]) -> int:

@@ -533,17 +533,22 @@ Scheduler = Annotated[
 ]
 
 GRADE_EPILOG = """
-**A class**: `lrp grade FOLDER --challenge square --seeds 20 --out marks.csv` grades every submission in a
-folder: each `*.lrp` and `*.ipynb` file and, for each student with a folder, the program in it (as Moodle and
-nbgrader lay them out). Of a notebook, the last `%%lrp` cell with `--challenge square` counts, or the only
-`%%lrp` cell. A program that hangs, crashes or cannot be read costs only its own mark, and is not run again.
-The worlds that a challenge hides from students count here. The column `code` is the hand-in code that the lab
-of an exam shows.
-The marks are the same in every grading: a set of texts has the order of `PYTHONHASHSEED=0`.
+**A class**: `lrp grade FOLDER --challenge square --seeds 20 --out marks.csv` grades every entry of a folder
+or `.zip` file: files `.lrp`, `.ipynb` and `.txt`, and a folder or `.zip` for each student (as Moodle,
+Canvas and nbgrader lay them out). What cannot be read has a row that says why. Of a notebook, the last
+`%%lrp` cell with `--challenge square` counts, or the only `%%lrp` cell. A program that hangs, crashes or
+cannot be read costs only its own mark, and is not run again. The worlds that a challenge hides from students
+count here. The column `code` is the hand-in code that the lab of an exam shows. The marks are the same in
+every grading: a set of texts has the order of `PYTHONHASHSEED=0`.
+
+**Several challenges**: without `--challenge`, each program is graded in the one that its cell or its
+heading names (`; challenge: square`), and the table has a column for each.
 
 **Files**: `--out marks.csv` is for a spreadsheet and has a row for each submission; `.json` has every run
-with its criteria, hints and path; `.xml` is JUnit's format, with a test for each run. `--out` can be
-repeated.
+with its criteria, hints and path; `.xml` is JUnit's format, with a test for each run; `.html` is a page for
+you, with what fails, who is stuck, and whose programs are alike. `--out` can be repeated. `--table` has a
+row for each student and a column for each challenge. `--feedback` makes a page for each student.
+`--gradebook` fills in a copy of Moodle's grading worksheet or of Canvas's gradebook.
 
 **Exit code**: 0 when every run of the one file met every criterion, or when all submissions of a class were
 graded, whatever their marks are; 1 when the one file does not pass; 2 when a file or challenge does not exist
@@ -569,8 +574,35 @@ def grade(
         ),
     ] = None,
     out: Annotated[
-        list[Path] | None, Option(metavar="FILE", help="Write the marks as `.csv`, `.json` or `.xml`.")
+        list[Path] | None,
+        Option(metavar="FILE", help="Write the marks as `.csv`, `.json`, `.xml` or `.html`."),
     ] = None,
+    table: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE", help="Write a `.csv` with a row for each student, a column for each challenge."
+        ),
+    ] = None,
+    feedback: Annotated[
+        Path | None, Option(metavar="FOLDER", help="Write a page for each student into a folder.")
+    ] = None,
+    gradebook: Annotated[
+        Path | None,
+        Option(
+            metavar="FILE",
+            help="Moodle's grading worksheet or Canvas's gradebook; a copy, `…-marked.csv`, is filled in.",
+        ),
+    ] = None,
+    column: Annotated[
+        str | None, Option(metavar="NAME", help="The column of the gradebook for the points.")
+    ] = None,
+    separator: Annotated[
+        str,
+        Option(
+            metavar="CHARACTER",
+            help="Between the cells of `.csv`; with `;`, numbers have a decimal comma.",
+        ),
+    ] = ",",
     given: Annotated[
         Path | None,
         Option(
@@ -583,10 +615,10 @@ def grade(
     jobs: Processes = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Grade programs in a challenge; without arguments, list the challenges."""
-    if files and len(files) == 1 and challenge is None:
-        challenge = _challenge_in(files[0])
-    if not files or challenge is None:
+    """Grade programs in a challenge, or in those that they name; without arguments, list the challenges."""
+    if len(files or []) == 1 and challenge is None:
+        challenge = _challenge_in((files or [""])[0])
+    if not files or (challenge is None and len(files) == 1 and not _names_its_own(files[0])):
         from lrp_jupyter.cli.lists import list_challenges
 
         if files:
@@ -595,20 +627,26 @@ def grade(
             typer.echo("lrp: No file was named. Write `lrp grade FILE --challenge NAME`.\n", err=True)
         list_challenges()
         raise typer.Exit(2 if files or challenge is not None else 0)
-    from lrp_jupyter.cli.batches import grade_files
+    if len(separator) != 1 or separator not in ",;\t|":
+        raise typer.BadParameter("--separator takes one character: `,` or `;`, or a tab.")
+    from lrp_jupyter.cli.batches import MarksFiles, grade_files
     from lrp_jupyter.grading.workers import HowRun
 
     how = HowRun(limit, memory, jobs, scheduler)
-    raise typer.Exit(grade_files(files, challenge, seeds, out or [], how, given))
+    where = MarksFiles(out or [], table, feedback, gradebook, column, separator)
+    raise typer.Exit(grade_files(files, challenge, seeds, where, how, given))
+
+
+def _names_its_own(file: str) -> bool:
+    """Return whether a file may hold several programs, each of which names its challenge."""
+    return Path(file).is_dir() or file.lower().endswith((".ipynb", ".zip"))
 
 
 def _challenge_in(file: str) -> str | None:
-    """Return the challenge that a program names in its heading; None for a folder or a notebook."""
+    """Return the challenge that a program names in its heading; None for what may hold several programs."""
     from lrp_jupyter.cli.program_source import read_source
 
-    if Path(file).is_dir() or file.endswith(".ipynb"):
-        return None
-    return read_source(file).challenge
+    return None if _names_its_own(file) else read_source(file).challenge
 
 
 SWEEP_EPILOG = """

@@ -1,17 +1,16 @@
-"""The marks of a class, for a spreadsheet (CSV), a program (JSON) or a build server (JUnit)."""
+"""The marks of a class: of each student for each challenge."""
 
 from __future__ import annotations
 
-import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 from lrp_jupyter.grading.attempt import Attempt, failed
-from lrp_jupyter.grading.batch import Progress, grade_all
-from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.batch import Progress, grade_each
+from lrp_jupyter.grading.challenges import Challenge, challenge, challenges
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.handing_in import code_of
 from lrp_jupyter.grading.submissions import Submission
@@ -31,70 +30,117 @@ class Mark(NamedTuple):
         text = self.submission.text
         return "" if text is None else code_of(text)
 
+    @property
+    def reason(self) -> str:
+        """Why the first run that failed did not pass, in a line; empty if all passed."""
+        first = self.grade.first_failed
+        return first.reason.partition("\n")[0] if first else ""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be known of the submission and the program, each a sentence."""
+        return self.submission.notes + self.grade.notes
+
+
+class Handed(NamedTuple):
+    """The marks of one student.
+
+    `entry`: the name of the file or folder that was handed in.
+    `number`: by which Moodle or Canvas knows the student; may be empty.
+    """
+
+    student: str
+    entry: str
+    number: str
+    marks: tuple[Mark, ...]
+
+    @property
+    def points(self) -> float:
+        """The points for all challenges together."""
+        return round(sum(mark.grade.points for mark in self.marks), 1)
+
+    def mark(self, name: str) -> Mark | None:
+        """Return the mark for a challenge; None if nothing was handed in for it."""
+        return next((mark for mark in self.marks if mark.grade.challenge == name), None)
+
 
 @dataclass(frozen=True)
 class Marks:
-    """The marks of a class for one challenge.
+    """The marks of a class.
 
+    `tasks`: the challenges.
     `marks`: in the order of the submissions.
-    `out_of`: the points for a program that passes.
     """
 
-    challenge: str
+    tasks: tuple[Challenge, ...]
     marks: tuple[Mark, ...]
-    out_of: float
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the challenges."""
+        return tuple(task.name for task in self.tasks)
+
+    @property
+    def out_of(self) -> float:
+        """The points for programs that pass in all challenges."""
+        return sum(task.points for task in self.tasks)
 
     @property
     def attempts(self) -> tuple[Attempt, ...]:
         """The runs of all submissions."""
         return tuple(attempt for mark in self.marks for attempt in mark.grade.attempts)
 
-    def csv(self) -> str:
-        """Return a table with a row for each submission; ``first_…`` describes its first failed run."""
-        columns = ("student", "file", "challenge", "points", "out_of", "passed", "runs_passed", "runs")
-        last = ("first_world", "first_seed", "first_reason", "first_hint", "as_given", "code", "notes")
-        return csv_text((*columns, *last), self._rows())
-
-    def _rows(self) -> Iterator[tuple[object, ...]]:
+    @property
+    def students(self) -> tuple[Handed, ...]:
+        """The marks student by student, in the order of the submissions."""
+        found: dict[tuple[str, str, str], list[Mark]] = {}
         for mark in self.marks:
-            submission, grade = mark
-            first = grade.first_failed
-            yield (
-                *(submission.student, submission.file, grade.challenge, grade.points, grade.out_of),
-                *("yes" if grade.passed else "no", grade.runs_passed, grade.runs),
-                *(first.world if first else "", first.seed if first else ""),
-                *(first.reason.partition("\n")[0] if first else "", grade.hint),
-                *("yes" if submission.as_given else "no", mark.code, " ".join(grade.notes)),
-            )
+            each = mark.submission
+            found.setdefault((each.student, each.entry, each.number), []).append(mark)
+        return tuple(Handed(*who, tuple(marks)) for who, marks in found.items())
 
-    def to_json(self) -> str:
-        """Return everything that is known of every run."""
-        data = {
-            "challenge": self.challenge,
+    def csv(self, separator: str = ",") -> str:
+        """Return a table with a row for each submission; ``first_…`` describes its first failed run."""
+        rows = ([value(mark) for value in COLUMNS.values()] for mark in self.marks)
+        return csv_text(tuple(COLUMNS), rows, separator)
+
+    def table(self, separator: str = ",") -> str:
+        """Return a table with a row for each student, and the points for each challenge in a column."""
+        rows = (
+            (each.student, *(_points(each.mark(name)) for name in self.names), each.points, self.out_of)
+            for each in self.students
+        )
+        return csv_text(("student", *self.names, "points", "out_of"), rows, separator)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything that is known of every run, as plain data."""
+        return {
+            "challenge": ", ".join(self.names),
             "out_of": self.out_of,
             "submissions": [self._as_dict(mark) for mark in self.marks],
         }
-        return json.dumps(data, ensure_ascii=False, indent=1) + "\n"
 
     def _as_dict(self, mark: Mark) -> dict[str, Any]:
         submission, grade = mark
         return {
             "student": submission.student,
             "file": submission.file,
+            "challenge": grade.challenge,
             "as_given": submission.as_given,
             "code": mark.code,
+            "notes": mark.notes,
             "points": grade.points,
+            "out_of": grade.out_of,
             "passed": grade.passed,
             "runs": grade.runs,
             "runs_passed": grade.runs_passed,
             "hints": grade.hints,
-            "notes": grade.notes,
             "attempts": [{**each.to_dict(), "passed": each.passed} for each in grade.attempts],
         }
 
     def junit(self) -> str:
         """Return a test suite for each submission, and a test for each of its runs, as JUnit writes them."""
-        root = ElementTree.Element("testsuites", name=_xml(self.challenge))
+        root = ElementTree.Element("testsuites", name=_xml(", ".join(self.names)))
         for submission, grade in self.marks:
             attempts = grade.attempts
             errors = sum(bool(each.ended) for each in attempts)
@@ -113,7 +159,7 @@ class Marks:
                     suite,
                     "testcase",
                     classname=_xml(submission.student),
-                    name=_xml(f"{self.challenge} in {each.world}, seed {each.seed}"),
+                    name=_xml(f"{grade.challenge} in {each.world}, seed {each.seed}"),
                     time=f"{each.seconds:.1f}",
                 )
                 if not each.passed:
@@ -128,32 +174,70 @@ class Marks:
 
 def grade_class(
     submissions: Sequence[Submission],
-    task: Challenge,
+    task: Challenge | None = None,
     seeds: int | Iterable[int] | None = None,
     how: HowRun = HowRun(),  # noqa: B008  (an immutable value)
     progress: Progress = lambda done, of: None,
 ) -> Marks:
     """Grade the submissions of a class; one that cannot be read gets no points, and the others theirs.
 
-    Raises LRPError: the cluster cannot be reached.
+    Worlds that a challenge hides from students count.
+
+    `task`: the challenge; default: for each submission the one that it is for.
+    Raises LRPError: the cluster cannot be reached, or a submission is for a challenge that does not exist.
     """
-    texts = [each.text for each in submissions if each.text is not None]
-    graded = iter(grade_all(texts, task, seeds, how, progress))
-    return Marks(
-        task.name,
-        tuple(
-            Mark(each, next(graded) if each.text is not None else _unread(each, task, seeds))
-            for each in submissions
-        ),
-        task.points,
+    chosen = [task or (challenge(each.challenge) if each.challenge else None) for each in submissions]
+    tasks = [its and its.whole() for its in chosen]
+    programs = [
+        (each.text, its)
+        for each, its in zip(submissions, tasks, strict=True)
+        if each.text is not None and its is not None
+    ]
+    graded = iter(grade_each(programs, seeds, how, progress))
+    marks = tuple(
+        Mark(each, next(graded) if each.text is not None and its else _unread(each, its, seeds))
+        for each, its in zip(submissions, tasks, strict=True)
     )
+    named = {its.name: its for its in tasks if its is not None}
+    in_order = dict.fromkeys([*(each.name for each in challenges() if each.name in named), *named])
+    return Marks(tuple(named[name] for name in in_order), marks)
 
 
-def _unread(submission: Submission, task: Challenge, seeds: int | Iterable[int] | None) -> Grade:
-    """Return the grade of a submission that cannot be read."""
+def _unread(submission: Submission, task: Challenge | None, seeds: int | Iterable[int] | None) -> Grade:
+    """Return the grade of a submission that cannot be read, or is for no challenge."""
+    attempt = failed("text", "can be read", submission.problem)
+    if task is None:
+        return Grade("", (attempt,), 0, 1)
     jobs = jobs_of("", task, seeds)[1]
-    return Grade.of(task, {0: failed("text", "can be read", submission.problem).of(jobs[0])}, jobs)
+    return Grade.of(task, {0: attempt.of(jobs[0])}, jobs)
 
+
+def _points(mark: Mark | None) -> object:
+    return "" if mark is None else mark.grade.points
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
+
+
+COLUMNS: dict[str, Callable[[Mark], object]] = {
+    "student": lambda mark: mark.submission.student,
+    "file": lambda mark: mark.submission.file,
+    "challenge": lambda mark: mark.grade.challenge,
+    "points": lambda mark: mark.grade.points,
+    "out_of": lambda mark: mark.grade.out_of,
+    "passed": lambda mark: _yes(mark.grade.passed),
+    "runs_passed": lambda mark: mark.grade.runs_passed,
+    "runs": lambda mark: mark.grade.runs,
+    "first_world": lambda mark: mark.grade.first_failed.world if mark.grade.first_failed else "",
+    "first_seed": lambda mark: mark.grade.first_failed.seed if mark.grade.first_failed else "",
+    "first_reason": lambda mark: mark.reason,
+    "first_hint": lambda mark: mark.grade.hint,
+    "as_given": lambda mark: _yes(mark.submission.as_given),
+    "code": lambda mark: mark.code,
+    "notes": lambda mark: " ".join(mark.notes),
+}
+"""The columns of the table of marks, and what is in them."""
 
 _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
@@ -161,7 +245,3 @@ _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 def _xml(text: str) -> str:
     """Return a text without the characters that XML cannot hold."""
     return _NOT_XML.sub("�", text)
-
-
-FORMS: dict[str, Callable[[Marks], str]] = {".csv": Marks.csv, ".json": Marks.to_json, ".xml": Marks.junit}
-"""How marks are written, by the suffix of the file."""

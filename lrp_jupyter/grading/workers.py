@@ -107,7 +107,7 @@ class _Batch:
         self._waiting = list(range(len(jobs)))
         self._lost: list[int] = []
         self._is_alone = False  # whether those are made again
-        programs = {job.texts for job in jobs}
+        programs = set(map(_program, jobs))
         self._proven = set() if stop_at_end and len(programs) > 1 else programs  # any number runs at a time
         self._has_ended = False  # whether any run has
 
@@ -140,8 +140,8 @@ class _Batch:
             close_workers()  # those that are idle may be stopped, too
         if len(running) >= (1 if self._is_alone else size):
             return None
-        busy = {self._jobs[index].texts for index in running} - self._proven
-        index = next((each for each in self._waiting if self._jobs[each].texts not in busy), None)
+        busy = {_program(self._jobs[index]) for index in running} - self._proven
+        index = next((each for each in self._waiting if _program(self._jobs[each]) not in busy), None)
         if index is not None:
             self._waiting.remove(index)
         return index
@@ -162,16 +162,21 @@ class _Batch:
 
     def _end(self, index: int, made: Attempt) -> Attempt:
         self._has_ended = True
-        self._proven.add(self._jobs[index].texts)
+        self._proven.add(_program(self._jobs[index]))
         if made.ended and self._stop_at_end:
             self._withdraw(self._jobs[index])
         return made
 
     def _withdraw(self, job: Job) -> list[int]:
         """Take the runs of a job's program from those that wait, and return them."""
-        found = [index for index in self._waiting if self._jobs[index].texts == job.texts]
+        found = [index for index in self._waiting if _program(self._jobs[index]) == _program(job)]
         self._waiting = [index for index in self._waiting if index not in found]
         return found
+
+
+def _program(job: Job) -> tuple[tuple[str, ...], str]:
+    """Return what identifies a program: the same texts for another challenge are another one."""
+    return job.texts, job.task.name
 
 
 class _Processors:

@@ -20,7 +20,7 @@ def group(tmp_path):
     folder.mkdir()
     (folder / "ada.lrp").write_text(DRIVE)
     (folder / "bob.lrp").write_text(CRASH)
-    (folder / "carl.lrp").write_bytes(b"\xff")
+    (folder / "carl.lrp").write_bytes(b"\0")
     return folder
 
 
@@ -52,13 +52,13 @@ def test_one_file_that_cannot_be_read_is_a_sentence(lrp, group):
     result = lrp("grade", group / "carl.lrp", "--challenge", "first move")
     assert result.exit_code == 2
     assert result.stderr.startswith("lrp: `")
-    assert "is not valid UTF-8" in result.stderr
+    assert "is not a text" in result.stderr
 
 
 @pytest.mark.parametrize(
     ("out", "words"),
     [
-        ("marks.xls", "the name must end with `.csv`, `.json` or `.xml`."),
+        ("marks.xls", "the name must end with `.csv`, `.json`, `.xml` or `.html`."),
         ("nowhere/marks.csv", "there is no such folder. Create it first."),
     ],
 )

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import os
+import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -16,6 +17,7 @@ from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion, drives, no_faults
 from lrp_jupyter.grading.grade import Grade, grade, jobs_of
 from lrp_jupyter.grading.marks import grade_class
+from lrp_jupyter.grading.marks_forms import as_json
 from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.workers import HowRun, run_jobs
 from lrp_jupyter.sim.worlds import load
@@ -122,10 +124,110 @@ def test_a_folder_has_a_file_or_a_folder_for_each_student(hand_in):
         "Carl Cu_4711_assignsubmission_file_/deep/mine.lrp": "3",
         "Dora D_12_assignsubmission_file_my.lrp": "4",
         "eve/first-move/first-move.ipynb": notebook("%%lrp a\n5"),
-        "readme.txt": "no", ".hidden/x.lrp": "no", "eve/first-move/.ipynb_checkpoints/y.lrp": "no",
-        "empty/x": "",
+        "frida_99_12345_mine.lrp": "6",
+        ".hidden/x.lrp": "no", "eve/first-move/.ipynb_checkpoints/y.lrp": "no", "__MACOSX/x": "",
     })  # fmt: skip
-    assert found(folder) == {"Carl Cu": "3", "Dora D": "4", "ada": "1", "bob": "2", "eve": "5"}
+    expected = {"Carl Cu": "3", "Dora D": "4", "ada": "1", "bob": "2", "eve": "5", "frida": "6"}
+    assert found(folder) == expected
+    numbers = {each.student: each.number for each in find_submissions([folder], FIRST) if each.number}
+    assert numbers == {"Carl Cu": "4711", "Dora D": "12", "frida": "99"}
+
+
+def test_every_entry_has_a_row_and_what_is_no_program_says_why(hand_in):
+    folder = hand_in({
+        "ada.TXT": "1", "bob.LRP": "2", "carl": "3", "dora.lrp.txt": "4",
+        "eve.ipynb.json": notebook("%%lrp x\n5"),
+        "frida.zip": zipped({"a/b/mine.lrp": "6", "__MACOSX/mine.lrp": "no", "report.pdf": "%PDF"}),
+        "gina/inner.zip": zipped({"more.zip": zipped({"mine.lrp": "7"})}),
+        "hans.docx": b"PK", "ida/report.pdf": b"%PDF", "jo.zip": b"PK not", "kim.zip": zipped({}),
+        "lea.rar": b"Rar!", "mia.lrp": " \n", "nina.lrp": b"\0\1\2", "olaf.ipynb": notebook("%%lrp x\n"),
+        "pia.zip": LOCKED,
+        "bomb.zip": zipped({"big.lrp": " " * 40_000_000}),
+        "both/mine.lrp": "8", "both/notes.txt": "no",
+    })  # fmt: skip
+    (folder / "quin").mkdir()
+    (folder / "marks.csv").write_text("of the teacher's")
+    rows = {each.student: each for each in find_submissions([folder], FIRST, None, [folder / "marks.csv"])}
+    texts = {student: row.text for student, row in rows.items() if row.text is not None}
+    assert "".join(texts.values()) == "12834567"  # in the order of the entries
+    assert {student: row.problem for student, row in rows.items() if row.text is None} == {
+        "hans.docx": NO_PROGRAM.format("hans.docx"),
+        "ida": NO_PROGRAM.format("ida/report.pdf"),
+        "jo": f"`jo.zip` cannot be unpacked: It is damaged, or not a zip file. {AGAIN}",
+        "kim": "`kim.zip` is an empty zip file.",
+        "lea.rar": "`lea.rar` is an archive that cannot be opened here. Unpack it, or pack it as `.zip`.",
+        "mia": "`mia.lrp` is empty. Open the program in the lab, save it again, and hand in that.",
+        "nina": "`nina.lrp` is not a text: it has bytes that no text has. Save the program as text again.",
+        "olaf": "`olaf.ipynb` has a `%%lrp` cell in which there is nothing. Save the notebook again, with "
+        "the lab open. Begin the cell to be graded with `%%lrp first-move --challenge 'first move'`.",
+        "pia": f"`pia.zip/a.lrp` cannot be unpacked: It is encrypted. {AGAIN}",
+        "bomb": f"`bomb.zip/big.lrp` cannot be unpacked: It contains more than 32 MB. {AGAIN}",
+        "quin": "`quin` is an empty folder.",
+    }
+
+
+AGAIN = "Pack it again, or hand in the file itself."
+NO_PROGRAM = (
+    "`{}` is not a program. Hand in the notebook, or the file that Save… in the menu More of the lab writes."
+)
+
+
+def zipped(files):
+    data = io.BytesIO()
+    with zipfile.ZipFile(data, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            archive.writestr(name, content)
+    return data.getvalue()
+
+
+def locked(data):
+    """Return a zip file whose files say that they are encrypted."""
+    local, central = data.index(b"PK\3\4") + 6, data.index(b"PK\1\2") + 8
+    flagged = bytearray(data)
+    flagged[local] |= 1
+    flagged[central] |= 1
+    return bytes(flagged)
+
+
+LOCKED = locked(zipped({"a.lrp": "1"}))
+
+
+def test_a_class_may_be_one_zip_file_as_moodle_sends_it_or_in_a_folder_in_it(hand_in):
+    files = {"Ada A_1_assignsubmission_file/mine.lrp": "1", "Bob B_2_assignsubmission_file/mine.lrp": "2"}
+    folder = hand_in(
+        {"a.zip": zipped(files), "b.zip": zipped({f"class/{name}": files[name] for name in files})}
+    )
+    assert found(folder / "a.zip") == found(folder / "b.zip") == {"Ada A": "1", "Bob B": "2"}
+
+
+@pytest.mark.parametrize(
+    ("data", "read_as"),
+    [
+        ("ü".encode("utf-16"), ""),
+        ("ü".encode("utf-8-sig"), ""),
+        ("ü".encode("utf-32"), ""),
+        ("ü; machine".encode("utf-16-le"), "UTF-16"),
+        ("ü; machine".encode("utf-16-be"), "UTF-16"),
+        ("ü; “machine”".encode("cp1252"), "Windows-1252"),
+        ("ü\x81".encode("latin-1"), "Latin-1"),
+    ],
+)
+def test_a_program_in_another_encoding_is_read_and_a_guess_is_noted(hand_in, data, read_as):
+    (submission,) = find_submissions([hand_in({"ada.lrp": data}) / "ada.lrp"], FIRST)
+    assert submission.text.startswith("ü")
+    assert [each for each in submission.notes if f"was read as {read_as}, which is a guess" in each] == list(
+        submission.notes
+    )
+    assert bool(submission.notes) == bool(read_as)
+
+
+def test_the_line_ends_of_an_old_mac_end_lines(hand_in):
+    text = (
+        "; challenge: first move\r(machine m (state a (running [robot.move(linear=0.2)])))\r(spawn m a) ; x\r"
+    )
+    (submission,) = find_submissions([hand_in({"ada.lrp": text}) / "ada.lrp"])
+    assert submission.challenge == "first move"
+    assert grade(submission.text, submission.challenge, 1).passed
 
 
 def test_of_several_files_of_a_student_the_one_for_the_challenge_counts(hand_in):
@@ -137,7 +239,7 @@ def test_of_several_files_of_a_student_the_one_for_the_challenge_counts(hand_in)
     })  # fmt: skip
     texts = found(folder)
     assert (texts["ada"], texts["carl"]) == ("1", "2")
-    assert texts["bob"].startswith("There are several programs: `a.lrp`, `b.lrp`. Name the one")
+    assert texts["bob"].startswith("There are several programs: `bob/a.lrp`, `bob/b.lrp`. Name the one")
 
 
 @pytest.mark.parametrize(
@@ -185,15 +287,15 @@ def test_a_lab_without_a_cell_of_its_own_is_saved_with_its_text(hand_in):
 
 def test_a_submission_in_which_nothing_was_changed_says_so(hand_in):
     beginning = f"{FIRST.beginning}\n\n"
-    folder = hand_in({"ada.lrp": beginning, "bob.lrp": "(machine a)", "carl.lrp": "", "dora.lrp": DRIVE})
+    folder = hand_in({"ada.lrp": beginning, "bob.lrp": "(machine a)", "dora.lrp": DRIVE})
     given = hand_in({"given/lesson.ipynb": notebook("%%lrp x\n(machine  a)\n")}) / "given/lesson.ipynb"
 
     def as_given(*given):
         files = sorted(folder.glob("*.lrp"))
         return [each.student for each in find_submissions(files, FIRST, *given) if each.as_given]
 
-    assert as_given() == ["ada", "carl"]
-    assert as_given(given) == ["bob", "carl"]
+    assert as_given() == ["ada"]
+    assert as_given(given) == ["bob"]
 
 
 @pytest.mark.parametrize("content", ["{", "[]", '{"cells": [1]}', b"\xff\xfe"])
@@ -206,7 +308,10 @@ def test_a_notebook_that_cannot_be_read_says_so(hand_in, content):
 def test_a_link_out_of_the_folder_is_not_followed(hand_in, tmp_path):
     folder = hand_in({"class/ada.lrp": "1", "secret.lrp": "no"}) / "class"
     (folder / "bob.lrp").symlink_to(tmp_path / "secret.lrp")
-    assert found(folder) == {"ada": "1"}
+    assert found(folder) == {
+        "ada": "1",
+        "bob": "`bob.lrp` is a link, which is not followed. Put the file itself there.",
+    }
 
 
 def test_whatever_a_student_hands_in_the_others_are_read(tmp_path, hand_in):
@@ -272,7 +377,7 @@ def test_a_name_that_would_be_a_formula_is_a_text_in_a_spreadsheet(marks):
 
 
 def test_the_json_of_marks_has_every_run(marks):
-    data = json.loads(marks.to_json())
+    data = json.loads(as_json(marks))
     attempts = data["submissions"][0]["attempts"]
     assert [Attempt.from_dict({k: v for k, v in each.items() if k != "passed"}) for each in attempts] == list(
         marks.marks[0].grade.attempts

@@ -92,7 +92,7 @@ def test_what_is_noted_is_in_the_marks_and_costs_nothing():
     assert str(result).endswith(f"\nNote: {note}")
     marks = grade_class([Submission("Ada", "ada.lrp", text), Submission("Bob", "bob.lrp", None, "?")], FIRST)
     assert [row["notes"] for row in csv.DictReader(io.StringIO(marks.csv()))] == [note, ""]
-    assert [each["notes"] for each in json.loads(marks.to_json())["submissions"]] == [[note], []]
+    assert [each["notes"] for each in marks.to_dict()["submissions"]] == [(note,), ()]
 
 
 ANSWERS = ["[]", "{}", "5", "null", '{"fault": 3}', "[" * 100_000, '"\\ud800"', json.dumps(FORGED)]
