@@ -14,6 +14,7 @@ from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria.criterion import State, Verdict
 from lrp_jupyter.grading.hints import hints_of
 from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.grading.run_clock import with_run_clock
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
@@ -216,7 +217,7 @@ def _run(job: Job) -> Referee:
     bridge = SimBridge(job.world, job.seed, task.noise)
     referee = Referee(task, bridge.world)
     programs = [parse(text, "<lrp grade>") for text in job.texts]
-    namespace = dict(job.namespace)
+    namespace = with_run_clock(job.namespace, lambda: bridge.simulation.time_since_start)
     with Session(
         programs[0], bridge, rate=task.rate, namespace=namespace, name="grade", journal=0
     ) as session:

@@ -12,6 +12,7 @@ from pathlib import Path
 from subprocess import PIPE, Popen
 
 import pytest
+from support.tables import every
 from support.waiting import until
 
 from lrp_jupyter.errors import LRPError
@@ -54,7 +55,7 @@ def framed(text):
 
 
 NOTED = {
-    "from lrp_jupyter.bridges.sim import SimBridge": "imports `lrp_jupyter.bridges.sim`, which judges the program",
+    "from lrp_jupyter.sim import world": "imports `lrp_jupyter.sim`, which judges the program",
     "import gc": "imports `gc`",
     "import numpy.random as r": "imports `numpy.random`",
     "from time import monotonic": "imports `time`, whose clock is that of the run when it is graded",
@@ -76,6 +77,27 @@ def test_a_program_that_reaches_beyond_its_robot_is_noted_with_its_line():
     text = "(machine m\n (state a)\n (state b (running [0]))) (spawn m a)"
     noted = {block: notes_about([text.replace("0", block)]) for block in NOTED}
     assert noted == {block: (f"Line 3 {note}.",) for block, note in NOTED.items()}
+
+
+CARRIED = [
+    "robot._bridge.place_robot((2.0, 1.0, 0.0))",
+    "import gc; [a.place_robot((2.0, 1.0, 0.0)) for a in gc.get_objects() if hasattr(a, 'place_robot')]",
+    "robot._bridge.simulation.robot.body.position = (2.0, 1.0)",
+]
+FORGED_RUNS = [
+    "from lrp_jupyter.grading.referee import Referee; Referee.share = 1.0",
+    "import sys; sys.modules['lrp_jupyter.grading.referee'].Referee.share = 1.0",
+    "from lrp_jupyter.bridges.sim import SimBridge; SimBridge.touched = frozenset({'wall'})",
+    "import gc; [a.samples.clear() for a in gc.get_objects() if type(a).__name__ == 'RunRecord']",
+]
+
+
+@every("block", [*CARRIED, *FORGED_RUNS])
+def test_a_program_that_tampers_with_its_run_is_noted_and_a_robot_that_it_carries_earns_nothing(block):
+    result = grade(DRIVE.replace("robot.move(linear=0.2)", f"{block}; robot.move(linear=0.2)"), FIRST, 1)
+    assert result.notes
+    if block in CARRIED:
+        assert (result.passed, result.points) == (False, 0), str(result)
 
 
 def test_an_ordinary_program_is_not_noted():
@@ -102,9 +124,9 @@ def test_what_is_no_answer_of_a_run_is_an_error_of_that_run_alone():
     data = [*(text.encode() for text in ANSWERS), *map(framed, ANSWERS), b"\xff" * 40, framed("[]")[:9]]
     good, *others = grade_all([DRIVE, *map(writing, data)], FIRST, 1)
     assert good.points == 10
-    for grade in others:
-        (attempt,) = grade.attempts
-        assert (grade.points, attempt.ended) == (0, "crash")
+    for other in others:
+        (attempt,) = other.attempts
+        assert (other.points, attempt.ended) == (0, "crash")
         assert attempt.verdicts[0].reason.startswith("The run ended with")
 
 
@@ -158,12 +180,13 @@ def ours():
 SLEEP = f"1000.{os.getpid()}"  # seconds, by which the process is known
 STARTS = f"import subprocess; subprocess.Popen(['sleep', '{SLEEP}'], start_new_session=True"
 
+WAIT = "threading.Event().wait(1000)"
 
 LEAVING = [
     f"{STARTS}); os._exit(0)",
     f"{STARTS}, env={{}}); os._exit(0)",
-    "os.fork(); os.fork(); os.getsid(0) == os.getpid() or os.setsid(); time.sleep(1000)",
-    "os.fork() or (os.setsid(), time.sleep(1000)); os.closerange(3, 99); os._exit(0)",
+    f"os.fork(); os.fork(); os.getsid(0) == os.getpid() or os.setsid(); {WAIT}",
+    f"os.fork() or (os.setsid(), {WAIT}); os.closerange(3, 99); os._exit(0)",
 ]
 
 
@@ -171,7 +194,7 @@ LEAVING = [
 @pytest.mark.slow
 @pytest.mark.parametrize("code", LEAVING, ids=["started", "hidden", "forked", "closed"])
 def test_no_process_that_a_program_has_started_stays(code):
-    bad, good = grade_all([doing(f"import os, time; {code}"), DRIVE], FIRST, 1, HowRun(limit=1))
+    bad, good = grade_all([doing(f"import os, threading; {code}"), DRIVE], FIRST, 1, HowRun(limit=1))
     assert (bad.points, good.points) == (0, 10)
     idle = {worker.process.pid for worker in workers._idle}
     until(lambda: ours() <= idle, lambda: f"{ours()} beside {idle}")

@@ -221,7 +221,10 @@ def test_a_check_that_cannot_be_made_says_why():
 
 
 def test_a_program_that_hangs_is_checked_and_the_lab_goes_on(stay):
-    stay.check(stay.session, DRIVE.replace("robot.move", "import time; time.sleep(1000); robot.move"))
+    stay.check(
+        stay.session,
+        DRIVE.replace("robot.move", "import threading; threading.Event().wait(1000); robot.move"),
+    )
     stay.session.run(1)
     assert stay.session.frame.tick == 10
     assert stay.shown["check"]["busy"]

@@ -13,11 +13,10 @@ the recorded one, unless the robot is real: then only its readings are known.
 
 from __future__ import annotations
 
-import builtins
 import math
 import random
 from collections.abc import Mapping
-from types import BuiltinMethodType, MappingProxyType, MethodType, ModuleType
+from types import MappingProxyType, ModuleType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
@@ -30,7 +29,7 @@ from lrp_jupyter.live.past.leftovers import differ
 from lrp_jupyter.live.past.replay import Entry, Ticked, merged
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.running.loop import Loop
-from lrp_jupyter.live.running.notebook_names import ChangeNames, random_module
+from lrp_jupyter.live.running.notebook_names import ChangeNames, random_module, with_modules
 
 
 class ForkStart(NamedTuple):
@@ -134,16 +133,4 @@ def private_namespace(namespace: Mapping[str, Any], state: tuple[Any, ...]) -> d
     for name, value in vars(current).items():
         if getattr(value, "__self__", None) is shared:
             setattr(module, name, getattr(generator, name))
-
-    def own_import(name: str, *arguments: Any, **keywords: Any) -> Any:
-        return module if name == "random" else builtins.__import__(name, *arguments, **keywords)
-
-    private: dict[str, Any] = {}
-    for name, value in dict(namespace).items():  # other threads may write it
-        if value is current:
-            value = module
-        elif isinstance(value, (MethodType, BuiltinMethodType)) and value.__self__ is shared:
-            value = getattr(generator, value.__name__)
-        private[name] = value
-    private["__builtins__"] = {**vars(builtins), "__import__": own_import}
-    return private
+    return with_modules(namespace, module)

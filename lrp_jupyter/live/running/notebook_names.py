@@ -8,7 +8,7 @@ the name had then.
 from __future__ import annotations
 
 import builtins
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
@@ -105,10 +105,35 @@ class WatchedNames:
 
 def random_module(namespace: Mapping[str, Any]) -> ModuleType:
     """Return the module that `import random` gives to the blocks of a namespace."""
-    own = namespace.get("__builtins__")
-    find = own.get("__import__", __import__) if isinstance(own, dict) else builtins.__import__
-    module: ModuleType = find("random")
+    module: ModuleType = _import_of(namespace)("random")
     return module
+
+
+def with_modules(namespace: Mapping[str, Any], *modules: ModuleType) -> dict[str, Any]:
+    """Return a copy of a namespace whose blocks import these modules instead of those with the same names.
+
+    A name that means such a module, or something of it, means what the new one has.
+    """
+    find, own = _import_of(namespace), {module.__name__: module for module in modules}
+    instead: dict[int, Any] = {}
+    for module in modules:
+        current = find(module.__name__)
+        instead[id(current)] = module
+        instead |= {id(old): vars(module)[name] for name, old in vars(current).items()}
+
+    def own_import(name: str, *arguments: Any, **keywords: Any) -> Any:
+        return own[name] if name in own else find(name, *arguments, **keywords)
+
+    names = dict(namespace).items()  # other threads may write it
+    changed = {name: instead.get(id(value), value) for name, value in names}
+    return {**changed, "__builtins__": {**vars(builtins), "__import__": own_import}}
+
+
+def _import_of(namespace: Mapping[str, Any]) -> Callable[..., Any]:
+    """Return the function with which the blocks of a namespace import."""
+    own = namespace.get("__builtins__")
+    find: Callable[..., Any] = own.get("__import__", __import__) if isinstance(own, dict) else __import__
+    return find
 
 
 def _before(changes: Iterable[ChangeNames]) -> dict[str, object]:
