@@ -11,7 +11,7 @@ from __future__ import annotations
 import inspect
 import math
 import os
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from functools import partial
 from typing import Any, ClassVar, Generic, Self, TypeVar, overload
@@ -117,6 +117,7 @@ class Interface:
         type: type | str | None = None,  # noqa: A002  (what a view calls it)
         age: Callable[[], float | None] | None = None,
         stale_after: float | None = None,
+        limits: tuple[float, float] | None = None,
     ) -> None:
         """Register a reading as ``robot.<name>``; a second one of that name replaces the first.
 
@@ -141,6 +142,9 @@ class Interface:
             Seconds after which a reading is too old to drive on: then reading it raises
             :class:`~lrp_jupyter.errors.StaleData`, the robot is stopped, and no velocity is sent until a new
             one arrives. Needs `age`. Default: never.
+        limits : (float, float), optional
+            The least and the greatest value, besides ``inf``: the checks report a comparison with a number
+            beyond them.
 
         Raises
         ------
@@ -153,7 +157,9 @@ class Interface:
         feed : For values that arrive by themselves.
         """
         text = doc or _doc_of(getter)
-        self._add_reading(RobotVariable(self, name, getter, text, unit, type, age, stale_after))
+        reading = RobotVariable(self, name, getter, text, unit, type, age, stale_after)
+        reading.limits = limits
+        self._add_reading(reading)
 
     def _add_reading(
         self,
@@ -313,6 +319,8 @@ class Interface:
         *,
         message: type[Message] | None = None,
         limits: Limits | None = None,
+        likely: Mapping[str, tuple[float, float]] | None = None,
+        units: Mapping[str, str] | None = None,
         check: Callable[..., object] | None = None,
         moves: bool = True,
         replaces: bool = False,
@@ -340,6 +348,10 @@ class Interface:
         doc : str
         message, limits
             As for `add_method`.
+        likely : mapping of str to (float, float), optional
+            Between which numbers an argument probably is: the checks warn of a number beyond them.
+        units : mapping of str to str, optional
+            The units of the arguments, for these warnings: ``{"radians": "rad"}``.
         check : callable, optional
             Called first, with all arguments by name: what it raises, a ValueError with a sentence, is an
             error at the line of the program, and nothing is asked for.
@@ -361,6 +373,7 @@ class Interface:
         text = doc or _doc_of(start)
         task = RobotTask(self, name, partial(start, None), text, message, True, False, limits or {})
         task.tasks = self.requested
+        task.likely, task.units = likely or {}, units or task.units
         task.work = TaskWork(start, cancel, check, moves, replaces, mover)
         self.nodes.add(task)
 

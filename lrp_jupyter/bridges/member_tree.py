@@ -65,7 +65,10 @@ class RobotVariable:
     `is_used`: whether a program has read it.
     `lateness`: why the robot must not drive on this reading in the present tick; empty if it may.
     `of`: the path of the reading that it accompanies (``light.new``: ``light.data``); empty if it is one.
+    `limits`: its least and greatest value, besides ``inf``; None if they are not known.
     """
+
+    limits: tuple[float, float] | None = None
 
     def __init__(
         self,
@@ -198,8 +201,8 @@ class RobotMethod(NotAValue):
     """
 
     # fmt: off
-    __slots__ = ("_bridge", "_filling", "_function", "_parameters", "_redirected", "command", "doc", "limits",
-                 "message", "mover", "path", "signature", "velocity")
+    __slots__ = ("_bridge", "_filling", "_function", "_parameters", "_redirected", "command", "doc", "likely",
+                 "limits", "message", "mover", "path", "signature", "units", "velocity")
     # fmt: on
 
     def __init__(
@@ -218,6 +221,8 @@ class RobotMethod(NotAValue):
         self.doc = doc
         self.message, self.command, self.velocity, self.mover = message, command, velocity, mover
         self.limits = {name: _range(limit) for name, limit in limits.items()}
+        self.likely: Mapping[str, tuple[float, float]] = {}  # where a number beyond is probably a mistake
+        self.units: Mapping[str, str] = message.UNITS if message is not None else {}
         self._parameters = _signature(function)
         if message is not None:
             self.signature = f"({', '.join(f'{name}=0.0' for name in message.WORDS or message.FIELDS)})"

@@ -55,12 +55,13 @@ class Message:
     """A message with named fields, each of them plain or another message.
 
     A subclass names its fields in `FIELDS`; `WORDS` are short forms: ``{"linear": "linear.x"}``
-    accepts a number in place of the nested message.
+    accepts a number in place of the nested message, and `UNITS` are the units of such numbers.
     """
 
     __slots__ = ("_fields", "_path", "_was_assigned")
     FIELDS: ClassVar[Mapping[str, type[Message] | Plain]] = {}
     WORDS: ClassVar[Mapping[str, str]] = {}
+    UNITS: ClassVar[Mapping[str, str]] = {}
     OPTIONAL: ClassVar[tuple[str, ...]] = ()  # parts that are among its values only if something is set there
 
     _fields: dict[str, Any]
@@ -218,6 +219,7 @@ class Twist(Message):
     __slots__ = ()
     FIELDS = {"linear": Vector3, "angular": Vector3}  # noqa: RUF012
     WORDS = {"linear": "linear.x", "angular": "angular.z"}  # noqa: RUF012
+    UNITS = {"linear": "m/s", "angular": "rad/s"}  # noqa: RUF012
 
 
 def moves(command: object) -> bool:

@@ -163,26 +163,27 @@ class SimBridge(Bridge, SimulatedWorld):
         method = partial(self.add_method, mover=prefix)
         if spec.light:
             doc = "brightness of the floor: 0 black ... 255 white"
-            add("light.data", partial(_nth_light, 0), doc, kind=int)
+            add("light.data", partial(_nth_light, 0), doc, kind=int, limits=_GREYS)
         if len(spec.light) > 1:
             doc = "brightness below each sensor: " + ", ".join(map(_place, spec.light))
             add("light.all", lambda seen: seen.lights, doc, kind=tuple)
             for side, number in light_directions(spec.light).items():
                 doc = f"brightness of the floor at {_place(spec.light[number])}: 0 black ... 255 white"
-                add(f"{side}.light", partial(_nth_light, number), doc, kind=int)
+                add(f"{side}.light", partial(_nth_light, number), doc, kind=int, limits=_GREYS)
         if spec.bumper:
             doc = "True pressed, False free"
             add("bumper.data", lambda seen: bool(seen.bumper), doc, kind=bool, new=lambda seen: seen.bumps)
         if spec.distance:
             doc = f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach"
-            add("distance.data", partial(_nth_distance, 0), doc, "m", float)
+            add("distance.data", partial(_nth_distance, 0), doc, "m", float, (0.0, spec.distance[0][1]))
         if len(spec.distance) > 1:
             bearings = ", ".join(_bearing(angle) for angle, _ in spec.distance)
             doc = f"to the next solid along each ray: {bearings}"
             add("distance.all", lambda seen: seen.distances, doc, "m", tuple)
         for side, number in ray_directions(spec.distance).items():
             doc = f"to the next solid {_bearing(spec.distance[number][0])}; inf: nothing in reach"
-            add(f"{side}.distance", partial(_nth_distance, number), doc, "m", float)
+            limits = 0.0, spec.distance[number][1]
+            add(f"{side}.distance", partial(_nth_distance, number), doc, "m", float, limits)
         if spec.distance:
             scans = partial(_scans, tuple(angle for angle, _ in spec.distance))
             doc = "what all rays see; `scan.nearest(-30, 30)`: the nearest from 30° right to 30° left, in m"
@@ -202,7 +203,8 @@ class SimBridge(Bridge, SimulatedWorld):
         self.add_method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
         doc = "switch the lamp on (True) or off (False)"
         self.add_method(f"{prefix}lamp", lambda on=True: self.simulation.lamp(bool(on), robot=index), doc)
-        add_errands(self, self._begin, partial(self._cancel, index), spec.limits, index, prefix)
+        cancel, farthest = partial(self._cancel, index), max(10.0, 2 * math.hypot(*self.world.size))
+        add_errands(self, self._begin, cancel, spec.limits, index, prefix, farthest=farthest)
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
@@ -224,10 +226,12 @@ class SimBridge(Bridge, SimulatedWorld):
         doc: str,
         unit: str = "",
         kind: type = object,
+        limits: tuple[float, float] | None = None,
         new: Callable[[Readings], tuple[object, ...]] | None = None,
     ) -> None:
         """Add a reading; a function of what a robot's sensors read gives it, now or for an earlier tick.
 
+        `limits`: its least and greatest value, besides ``inf``.
         `new`: returns what came since the last tick, where that is more than the reading.
         """
 
@@ -239,6 +243,7 @@ class SimBridge(Bridge, SimulatedWorld):
         if new is not None:
             self._sensors[companion_path(path, "new")] = index, new
         reading = RobotVariable(self, path, now(read), doc, unit, kind, None)
+        reading.limits = limits
         self._add_reading(reading, None if new is None else now(new))
 
     def sensed(self) -> object:
@@ -635,6 +640,7 @@ class SimBridge(Bridge, SimulatedWorld):
             raise BridgeError(str(error)) from error
 
 
+_GREYS = 0.0, 255.0
 _ODOM = (
     ("x", "m", "way driven along the heading at the start, by the wheels"),
     ("y", "m", "way driven to the left of the heading at the start, by the wheels"),

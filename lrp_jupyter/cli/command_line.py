@@ -438,7 +438,7 @@ def check(
         Option(
             metavar="NAME",
             autocompletion=complete.bridges,
-            help="Check for this robot: see `lrp bridges`. Default: that of the world named in the text.",
+            help="Check for this robot: see `lrp bridges`. Default: the simulated one.",
         ),
     ] = None,
     options: BridgeOptions = None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
@@ -26,9 +27,10 @@ from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.robot_members import RobotMembers
-from lrp_jupyter.live.running.checking import members_of, members_of_world
+from lrp_jupyter.live.running.checking import DEFAULT_WORLD, members_of, members_of_world
 
 Format = Literal["svg", "dot", "mermaid", "json"]
+ABOUT_ROBOTS = frozenset({"LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525", "LRP526", "LRP537"})
 _SUFFIXES: dict[str, Format] = {
     ".svg": "svg",
     ".dot": "dot",
@@ -58,6 +60,7 @@ def check_files(
         robot = members_of(made)
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
+    assumed: list[Finding] = []  # for a robot that nobody named
     lines: list[dict[str, Any]] = []
     unreadable = False
     for file in files:
@@ -72,6 +75,8 @@ def check_files(
             unreadable = True
             continue
         found += findings
+        if robot is None and not (source.world or programs.heading(source.text).challenge):
+            assumed += findings
         for finding in findings:
             lines.append(_as_dict(source.name, finding))
             if not as_json:
@@ -83,12 +88,28 @@ def check_files(
         sys.stdout.write("\n")
     elif found:
         console.print(f"{summary(found)}. More about a code: lrp explain {found[0].code}")
+        if assumed and any(finding.code in ABOUT_ROBOTS for finding in assumed):
+            console.print(
+                f"Checked for the simulated robot of the world `{DEFAULT_WORLD}`. For another one, write its "
+                "world into the first line, as in `; world: maze`, or choose a robot with `--bridge`."
+            )
     return 2 if unreadable else int(any(finding.severity == "error" for finding in found))
 
 
 def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
-    """Return the findings of a file, for a robot or, by default, that of its world."""
-    return check(source.text, robot=robot or (members_of_world(source.world) if source.world else None))
+    """Return the findings of a file, for a robot or, by default, the one with which `lrp run` runs it."""
+    return check(source.text, robot=robot or _robot_of(source))
+
+
+def _robot_of(source: Source) -> RobotMembers | None:
+    """Return the members of the simulated robot of a file: of its world, else of that of its challenge."""
+    from lrp_jupyter.grading.challenges import challenge
+
+    named = programs.heading(source.text).challenge
+    if source.world is None and named is not None:
+        with suppress(LRPError):  # a challenge of a file that is not run
+            return members_of(make_bridge("sim", world=challenge(named).worlds[0]))
+    return members_of_world(source.world or DEFAULT_WORLD)
 
 
 def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:

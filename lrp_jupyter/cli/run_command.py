@@ -46,6 +46,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running import commands as do
+from lrp_jupyter.live.running.checking import DEFAULT_WORLD
 from lrp_jupyter.live.running.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.teller import REMEMBERED
@@ -682,7 +683,7 @@ def _with_ros_arguments(wanted: RunOptions, name: str) -> RunOptions:
 
 
 def _open_simulator(source: Source, wanted: RunOptions) -> Bridge:
-    world = wanted.world or (source.world if source.world not in (None, "none") else "line")
+    world = wanted.world or (source.world if source.world not in (None, "none") else DEFAULT_WORLD)
     bridge = make_bridge("sim", world=world, seed=wanted.seed, noise=wanted.noise or None, **wanted.answers)
     bridge.open()
     return bridge

@@ -6,9 +6,12 @@ import ast
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.python.python_parser import parse_python
+
+Limits = tuple[float, float]
 
 
 class Parameters(NamedTuple):
@@ -21,6 +24,9 @@ class Parameters(NamedTuple):
     `fields`: names of fields of a message, which can only be passed by name; empty without a message.
     `unlike`: those of the fields that are no numbers.
     `is_open`: whether other names are accepted, too.
+    `limits`: the least and the greatest number for an argument, to which others are limited.
+    `likely`: between which numbers an argument probably is.
+    `units`: of the arguments that are numbers.
     """
 
     text: str
@@ -30,6 +36,9 @@ class Parameters(NamedTuple):
     fields: frozenset[str] = frozenset()
     unlike: frozenset[str] = frozenset()
     is_open: bool = False
+    limits: Mapping[str, Limits] = MappingProxyType({})
+    likely: Mapping[str, Limits] = MappingProxyType({})
+    units: Mapping[str, str] = MappingProxyType({})
 
 
 Fields = Mapping[str, Any]
@@ -46,6 +55,9 @@ class RobotMember(NamedTuple):
     `values`: all texts that a reading can be; empty if they are not known.
     `accompanies`: whether it is known of another reading, as ``light.new`` is of ``light.data``.
     `fields`: of the values of a reading; None if they may have others.
+    `limits`: the least and the greatest value of a reading, besides ``inf``; None if they are not known.
+    `unit`: of a reading.
+    `mover`: of a method that moves the robot: which of several robots or motors; None for any other.
     """
 
     path: str
@@ -55,6 +67,9 @@ class RobotMember(NamedTuple):
     values: tuple[str, ...] = ()
     accompanies: bool = False
     fields: Fields | None = None
+    limits: Limits | None = None
+    unit: str = ""
+    mover: str | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,6 +54,7 @@ from lrp_jupyter.files import shown, write_file
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.checks.delays import TICK
 from lrp_jupyter.language.edits.rename import rename as renamed_text
 from lrp_jupyter.language.half_typed import Cursor, Judgement, judge
 from lrp_jupyter.language.lookup import find
@@ -228,7 +229,8 @@ class Session(Runner):
         """Return the findings about a program, for the robot and the namespace of this session."""
         check_type("program", program, (str, Program), "a text or a Program")
         try:
-            return check(program, self.namespace, self._robot_members())
+            tick = min(TICK, 1000 / self.rate) if self.rate else 0
+            return check(program, self.namespace, self._robot_members(), tick)
         except Exception as error:  # a fault of the checks is reported as such and does not block the edit
             message = f"The checks themselves failed, not the program: {sentence_of(error)}"
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)

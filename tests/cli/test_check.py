@@ -172,3 +172,22 @@ def test_fixes_and_findings_for_programs_are_separate(lrp, program):
     result = lrp("check", "--fix", "--format", "json", program(WRONG))
     assert json.loads(result.stdout) == []
     assert result.stderr.count(" fixed ") == 6
+
+
+def test_a_program_is_checked_for_the_robot_with_which_it_would_be_run(lrp, program):
+    turn = "(machine m (state a (running [{}]))) (spawn m a)\n"
+    result = lrp("check", program(turn.format("robot.moove(linear=0.2)")))
+    assert result.exit_code == 1
+    assert "`robot` has no `moove`. Did you mean `move`?" in result.stdout
+    assert "Checked for the simulated robot of the world `line`. For another one, write" in result.stdout
+    result = lrp("check", program("; world: line\n" + turn.format("robot.moove(linear=0.2)")))
+    assert "LRP520" in result.stdout
+    assert "Checked for" not in result.stdout
+    sides = turn.format("print(robot.left.distance)")
+    assert "LRP520" in lrp("check", program(sides)).stdout
+    for heading in ("; world: walls", "; challenge: wall follower", "; world: none"):
+        result = lrp("check", program(f"{heading}\n{sides}"))
+        assert (result.exit_code, result.stdout) == (
+            0,
+            f"{program(f'{heading}{chr(10)}{sides}')}: no findings\n",
+        )

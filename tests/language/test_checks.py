@@ -220,8 +220,8 @@ N = "(machine n (var tries := [0]) (state x) (state reached) (eps x -> reached))
 @every(
     ("text", "prefix"),
     [
-        ("(machine m (state moving) (state b) (ontime 5 b -> mov)) (spawn m b)", True),
-        ("(machine m (state moving) (state b) (ontime 5 b -> movign)) (spawn m b)", False),
+        ("(machine m (state moving) (state b) (ontime 500 b -> mov)) (spawn m b)", True),
+        ("(machine m (state moving) (state b) (ontime 500 b -> movign)) (spawn m b)", False),
         ("(var speed := [1]) (machine m (state a (running [sp]))) (spawn m a)", True),
         ("(var speed := [1]) (machine m (state a (running [speeed]))) (spawn m a)", False),
         (f"(machine m (state a (onentry (spawn n x))) (state b) (on n.reach a -> b)) {N} (spawn m a)", True),

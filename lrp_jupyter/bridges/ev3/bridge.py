@@ -196,7 +196,7 @@ class EV3Bridge(Bridge):
             add(f"{sensor.name}.mode", sensor.mode, "what it measures", type=str)
             add(f"{sensor.name}.type", sensor.type, "what is plugged in", type=str)
         for name, getter, doc, unit, kind in self._readings():
-            add(name, getter, doc, unit, type=kind, stale_after=_STALE_AFTER)
+            add(name, getter, doc, unit, type=kind, stale_after=_STALE_AFTER, limits=_LIMITS.get(name))
         doc = "what the distance sensor sees; `scan.nearest(-30, 30)`: straight ahead, in m"
         add("scan", self._scan, doc, type=RayScan, stale_after=_STALE_AFTER)
         self._add_driving()
@@ -425,6 +425,7 @@ class EV3Bridge(Bridge):
 
 
 _STALE_AFTER = 1.0  # s; a brick that does not answer is lost sooner, one that refuses to be read is not
+_LIMITS = {"light.data": (0.0, 255.0), "distance.data": (0.0, 2.55)}
 _WHERE = (
     "Address of the brick: by WiFi or Bluetooth as it shows under Brick Info (Bluetooth: its ID), or `usb`"
 )

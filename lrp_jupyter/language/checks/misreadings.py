@@ -8,6 +8,7 @@ from typing import Any
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.checks.uses import SIGNS
 from lrp_jupyter.language.python.block_suite import children
 from lrp_jupyter.language.source import Diagnosis
 
@@ -133,11 +134,10 @@ def _alternatives(node: ast.BoolOp, places: Offsets) -> Iterator[Diagnosis]:
     if not isinstance(first, ast.Compare) or len(first.ops) != 1:
         return
     wrong = [other for other in others if _is_literal(other)]
-    if not wrong or not isinstance(first.ops[0], ast.Eq | ast.NotEq):
+    sign, word = SIGNS.get(type(first.ops[0])), "or" if isinstance(node.op, ast.Or) else "and"
+    if not wrong or sign is None or (word == "and" and sign not in ("==", "!=")):  # `x > 1 and 5` is a value
         return
-    word = "or" if isinstance(node.op, ast.Or) else "and"
     left = _text(first.left, places)
-    sign = "==" if isinstance(first.ops[0], ast.Eq) else "!="
     meant = "and" if sign == "!=" else word
     value = _text(wrong[0], places)
     message = f"`{value}` is not compared with anything. Write `{meant} {left} {sign} {value}`."

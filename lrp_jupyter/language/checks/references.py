@@ -34,6 +34,8 @@ _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 """Matches a form from its bracket to its keyword, across comments."""
 
 
+_FEW = 5
+"""States of a machine that are listed."""
 _Targets = list[tuple[Scope, str]]
 
 
@@ -214,6 +216,10 @@ class _References:
             self.report.add(code, name.span, f"{problem}. Write `*` for any state.", replace(name.span, "*"))
             return name
         remedy = f"Define `(state {name})` in it"
+        if code == "LRP305" and 0 < len(machine.states) <= _FEW:
+            known = " and ".join(f"`{state}`" for state in machine.states)
+            remedy = f"Write one of its states: {known}. Or define `(state {name})` in it"
+            remedy = remedy if len(machine.states) > 1 else f"Write {known}, or define `(state {name})` in it"
         creates = new_state(self.report, machine.noun, name)
         return self.report.unknown(code, name, problem, machine.states, remedy, creates) or name
 

@@ -84,4 +84,13 @@ def nearest(name: str, known: frozenset[str]) -> str | None:
     swapped = sorted(other for other in known if len(name) > 2 and sorted(other) == sorted(name))
     close = same or swapped or get_close_matches(name, sorted(known), n=1, cutoff=0.7)
     begun = [other for other in known if len(name) > 1 and other.startswith(name)]
+    if not (close or begun):  # `drive` for `driving`
+        begun = [other for other in known if _have_one_stem(name, other)]
     return next(iter(close or (begun if len(begun) == 1 else [])), None)
+
+
+def _have_one_stem(name: str, other: str) -> bool:
+    """Return whether two words differ only in their endings."""
+    common = next((at for at, pair in enumerate(zip(name, other, strict=False)) if pair[0] != pair[1]), 0)
+    endings = name[common:] + other[common:]
+    return common >= 4 and common >= min(len(name), len(other)) - 1 and endings.isalpha()

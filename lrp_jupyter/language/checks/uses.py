@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import math
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Literal, NamedTuple
@@ -30,6 +31,8 @@ class Argument(NamedTuple):
     """Its value, if that is a string."""
     assigns: Span | None = None
     """The sign of ``name := value``."""
+    number: float | None = None
+    """Its value, if that is a number."""
 
 
 class RobotCall(NamedTuple):
@@ -49,9 +52,23 @@ class Other(NamedTuple):
     value: object
 
 
+class Beside(NamedTuple):
+    """What something is compared with: a number, or what has a name; ``20 > x`` is read as ``x < 20``.
+
+    `text`: the number as it is written; ``degrees(90)`` is one, too.
+    """
+
+    sign: str
+    span: Span
+    number: float | None
+    name: str = ""
+    text: str = ""
+
+
 class NameUse(NamedTuple):
     """A use of a name, with the names after it: ``("light", "data")`` for ``robot.light.data``.
 
+    `beside`: the numbers and names with which it, or its ``abs``, is compared.
     `result`: what is done with what a call returns; ``computed`` if it is kept or something of it is read.
     """
 
@@ -62,11 +79,13 @@ class NameUse(NamedTuple):
     call: RobotCall | None = None
     other: Other | None = None
     result: Role = "read"
+    beside: tuple[Beside, ...] = ()
 
 
 SIGNS: dict[type[ast.cmpop], str] = {
     ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
 }  # fmt: skip
+_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _NEEDS = (ast.Attribute, ast.Subscript, ast.Compare, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.NamedExpr)
 _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number", str: "text"}
 
@@ -114,8 +133,10 @@ class _Uses:
             result = "computed" if isinstance(after, _NEEDS) else self.role(parent, after)
             return use._replace(role="called", call=self.call(parent, use.span.end), result=result)
         if isinstance(parent, ast.Compare):
-            return use._replace(role="compared", other=self.other(parent, node))
-        return use._replace(role=self.role(node, parent))
+            return use._replace(
+                role="compared", other=self.other(parent, node), beside=self.beside(parent, node)
+            )
+        return use._replace(role=self.role(node, parent), beside=self._beside_abs(parent))
 
     def role(self, node: ast.expr, parent: ast.AST) -> Role:
         if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load):
@@ -156,7 +177,8 @@ class _Uses:
             assigns, span = Span(sign, sign + 2), self.span(value)
         root = value.id if isinstance(value, ast.Name) else ""
         text = value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""
-        return Argument(name, Span(start, span.end), span, _kind(value), root, text, assigns)
+        kind, number = _kind(value), number_of(value)
+        return Argument(name, Span(start, span.end), span, kind, root, text, assigns, number)
 
     def other(self, node: ast.Compare, operand: ast.expr) -> Other | None:
         operands = [node.left, *node.comparators]
@@ -167,6 +189,27 @@ class _Uses:
                 return Other(SIGNS[type(sign)], kind, self.span(other), other.value)
         return None
 
+    def beside(self, node: ast.Compare, operand: ast.expr) -> tuple[Beside, ...]:
+        operands, signs = [node.left, *node.comparators], [SIGNS.get(type(sign), "") for sign in node.ops]
+        at = next(index for index, each in enumerate(operands) if each is operand)
+        around = [(signs[at], operands[at + 1])] if at < len(signs) else []
+        around += [(_MIRRORED.get(signs[at - 1], signs[at - 1]), operands[at - 1])] if at else []
+        return tuple(self._written(sign, other) for sign, other in around if sign)
+
+    def _written(self, sign: str, other: ast.expr) -> Beside:
+        number, name = number_of(other), other.id if isinstance(other, ast.Name) else ""
+        if isinstance(other, ast.Call) and len(other.args) == 1 and not other.keywords:
+            inner = number_of(other.args[0])
+            if isinstance(other.func, ast.Name) and other.func.id == "degrees" and inner is not None:
+                number = math.radians(inner)
+        return Beside(sign, self.span(other), number, name, ast.unparse(other) if number is not None else "")
+
+    def _beside_abs(self, call: ast.AST) -> tuple[Beside, ...]:
+        if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "abs"):
+            return ()
+        around = self.parents[call]
+        return self.beside(around, call) if isinstance(around, ast.Compare) else ()
+
     @staticmethod
     def _neighbours(
         node: ast.Compare, operands: list[ast.expr], place: int
@@ -175,6 +218,15 @@ class _Uses:
             yield operands[place + 1], node.ops[place]
         if place:
             yield operands[place - 1], node.ops[place - 1]
+
+
+def number_of(node: ast.AST) -> float | None:
+    """Return the number that is written, perhaps with a sign; None for anything else."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+        number = number_of(node.operand)
+        return number if number is None or isinstance(node.op, ast.UAdd) else -number
+    is_number = isinstance(node, ast.Constant) and type(node.value) in (int, float)
+    return node.value if is_number else None  # type: ignore[attr-defined]
 
 
 def _kind(node: ast.expr) -> str:

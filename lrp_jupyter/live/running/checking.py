@@ -10,12 +10,14 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.members import Member
-from lrp_jupyter.bridges.tasks import STATUSES
+from lrp_jupyter.bridges.tasks import STATUSES, RobotTask
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language import checks
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.robot_members import Fields, RobotMember, RobotMembers, parameters_of
 
+DEFAULT_WORLD = "line"
+"""The world in which a program runs that names none."""
 _NUMBERS = ("number", "int", "uint", "float", "byte", "char")  # how the types of numbers begin
 
 
@@ -91,9 +93,18 @@ def _described(node: RobotVariable | RobotMethod) -> Iterator[RobotMember]:
         fields = dict(_names_in(member.arguments))
         unlike = {name for name, kind in fields.items() if not kind.startswith(_NUMBERS)}
         parameters = parameters_of(member.signature, fields, unlike)
-        yield RobotMember(node.path, parameters=parameters, acts=node.command)
+        parameters = parameters._replace(limits=node.limits, likely=node.likely, units=node.units)
+        mover = node.work.mover if isinstance(node, RobotTask) else node.mover if node.velocity else None
+        yield RobotMember(node.path, parameters=parameters, acts=node.command, mover=mover)
     else:
-        yield RobotMember(member.name, member.type, accompanies=bool(node.of), fields=_fields_of(node.type))
+        yield RobotMember(
+            member.name,
+            member.type,
+            accompanies=bool(node.of),
+            fields=_fields_of(node.type),
+            limits=node.limits,
+            unit=node.unit,
+        )
     if member.kind == "task":
         for field in member.fields:
             yield RobotMember(

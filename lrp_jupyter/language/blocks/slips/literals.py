@@ -22,9 +22,20 @@ def numbers(code: WrongBlock) -> Guesses:
             yield Guess("LRP510", message, token.start, after.end, (edit,))
         if re.fullmatch(r"0+[1-9]\d*", token.text):
             plain = token.text.lstrip("0")
-            message = f"A number does not begin with 0. Write `{plain}`."
-            yield change(token, plain, "LRP501", message)
+            meant = f"0.{plain}" if token.text[1] != "0" else plain
+            message = f"A number does not begin with 0. Write `{meant}`"
+            yield change(
+                token, meant, "LRP501", f"{message}, or `{plain}`." if meant != plain else f"{message}."
+            )
         unit = code.get(index + 1)
+        if (
+            unit.text == "%"
+            and unit.start == token.end
+            and code.get(index + 2).kind not in ("number", "name")
+        ):
+            share = f"{float(token.text) / 100:g}"
+            message = f"Python has no percentages. Write `{share}`."
+            yield Guess("LRP510", message, token.start, unit.end, (Edit(token.start, unit.end, share),))
         if code.is_gap(index) and unit.text in _UNITS and code.get(index + 2).text not in ("=", "(", "."):
             message = f"Python knows no units. Write the number alone: `{token.text}`."
             yield Guess("LRP510", message, token.start, unit.end, (Edit(token.end, unit.end, ""),))
