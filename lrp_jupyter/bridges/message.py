@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
@@ -27,11 +28,25 @@ from lrp_jupyter.errors import BridgeError, did_you_mean
 def real_number(value: object, what: str) -> float:
     """Return a finite real number as a float, or raise a BridgeError; ``True`` does not count as one."""
     if type(value) is not float and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
-        raise BridgeError(f"`{what}` must be a number, not {value!r} ({type(value).__name__}).")
+        kind = _KINDS.get(type(value), type(value).__name__)
+        raise BridgeError(f"`{what}` must be a number, not {value!r} ({kind}).{_remedy(value)}")
     number = float(value)
     if not math.isfinite(number):
         raise BridgeError(f"`{what}` must be a finite number, not {number}.")
     return number
+
+
+_KINDS: dict[type, str] = {str: "a text", tuple: "a tuple", list: "a list", bool: "a truth value"}
+
+
+def _remedy(value: object) -> str:
+    """Return what may be meant by a value that is not a number: a sentence, or an empty text."""
+    if type(value) is tuple and len(value) == 2 and all(type(part) is int for part in value):
+        return f" A decimal number has a point: {value[0]}.{abs(value[1])}."
+    if isinstance(value, str):
+        with suppress(ValueError):
+            return f" Write {float(value):g} without quotes."
+    return ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +159,7 @@ class Message:
         target: Message = self
         for name in parents:
             target = getattr(target, name)
-        target._assign(last, value)
+        target._assign(last, value, path)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields as nested dictionaries."""
@@ -160,7 +175,8 @@ class Message:
         parts = (each for each in self._fields.values() if isinstance(each, Message))
         return self._was_assigned or any(part._is_set for part in parts)
 
-    def _assign(self, name: str, value: object) -> None:
+    def _assign(self, name: str, value: object, called: str = "") -> None:
+        """Set a field; `called`: its name in messages, where that is not the whole one."""
         object.__setattr__(self, "_was_assigned", True)
         kind = self.FIELDS.get(name)
         if kind is None and name in self.WORDS:
@@ -168,7 +184,7 @@ class Message:
         elif kind is None:
             self._assign_long_name(name, value)
         elif isinstance(kind, Plain):
-            self._fields[name] = kind.check(value, f"{self._path}.{name}")
+            self._fields[name] = kind.check(value, called or f"{self._path}.{name}")
         elif isinstance(value, kind) and not value._is_set:
             self._fields[name] = kind(f"{self._path}.{name}")
         elif isinstance(value, kind):

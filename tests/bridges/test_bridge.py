@@ -425,7 +425,7 @@ def test_the_checks_know_that_it_can_be_stopped() -> None:
     known = Bare(lambda it: it.add_variable("depth", lambda: 3, "below the surface"), complete=True)
     text = "(machine m (state a (onentry [robot.stop()] [robot.halt()]))) (spawn m a)"
     (finding,) = check(text, bridge=known)
-    assert finding.message == "`robot` has no `halt`. It has `depth`, `stop`."
+    assert finding.message == "`robot` has no `halt`. Write `robot.stop()`."
 
 
 # -- life -----------------------------------------------------------------------------------------

@@ -222,7 +222,7 @@ def test_every_robot_of_a_world_has_its_own():
 
 def test_what_cannot_be_done_is_said_at_the_line_that_asks():
     wrong = {
-        'robot.drive_by("far")': "`drive_by(metres=…)` must be a number, not 'far' (str).",
+        'robot.drive_by("far")': "`drive_by(metres=…)` must be a number, not 'far' (a text).",
         'robot.turn_by(float("nan"))': "`turn_by(radians=…)` must be a finite number, not nan.",
         "robot.drive_to(1)": "`robot.drive_to(x, y, speed=0.2)`: missing a required argument: 'y'.",
         "robot.drive_by(1, spede=1)": "got an unexpected keyword argument 'spede'. Did you mean `speed`?",

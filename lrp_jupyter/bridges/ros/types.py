@@ -83,10 +83,10 @@ class RosMessage(Message):
 
     __slots__ = ()
 
-    def _assign(self, name: str, value: object) -> None:
+    def _assign(self, name: str, value: object, called: str = "") -> None:
         if isinstance(value, ReceivedMessage):  # what arrived on one topic may go out on another
             value = value._as_dict()
-        super()._assign(name, value)
+        super()._assign(name, value, called)
 
 
 class ReceivedMessage:

@@ -8,19 +8,20 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.blocks.slips.block_words import CANNOT_MOVE
 from lrp_jupyter.language.checks.scanned import scanned
+from lrp_jupyter.language.checks.uses import number_of
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.reading.forms import USAGE
 from lrp_jupyter.language.spellings import NOT_SENT, by_word
 
 _SPAWN = "spawn"
-_TIMED = f"A block does not wait. Write a transition: `{USAGE['ontime']}`."
+_TIMED = "A block cannot wait. Write a transition with a delay"
 _ASKED = 'The name of a machine gives its state. Write `machine.state == "name"`.'
 _REMEDIES = by_word(
     {
         _SPAWN: "spawn",
         CANNOT_MOVE: "goto go_to transition transition_to change_state set_state switch_state enter_state",
         NOT_SENT: "emit raise_event send_event post_event set_event dispatch trigger fire",
-        _TIMED: "after set_timeout start_timer wait delay sleep",
+        _TIMED: "after set_timeout start_timer wait delay sleep pause wait_for sleep_ms delay_ms",
         _ASKED: "in_state is_in is_in_state",
     }
 )
@@ -30,6 +31,7 @@ class FormCall(NamedTuple):
     """A call of what a form does; `root` is the name on which it depends, `span` that of the function.
 
     `spawned`: the machine and the state that it names, if it is a spawn.
+    `number`: its argument, if that is a number.
     """
 
     word: str
@@ -39,10 +41,17 @@ class FormCall(NamedTuple):
     whole: Span
     spawned: tuple[str, ...]
     is_alone: bool
+    number: float | None
 
     def remedy(self, is_onentry: bool) -> str:
         """Return what to write instead, in sentences."""
         remedy = _REMEDIES[self.word]
+        if remedy == _TIMED:
+            usage = USAGE["ontime"]
+            if self.number is not None and self.number > 0:
+                is_short = self.number < 100 and not self.word.endswith("ms")
+                usage = usage.replace("milliseconds", f"{self.number * (1000 if is_short else 1):.0f}")
+            return f"{remedy}: `{usage}`."
         if remedy != _SPAWN:
             return f"`{self.written}` is not defined where this block can see it. {remedy}"
         written = f"(spawn {' '.join(self.spawned)})" if len(self.spawned) == 2 else USAGE["spawn"]
@@ -68,7 +77,9 @@ def form_calls(text: str) -> tuple[FormCall, ...]:
             names = [root, *map(_named, call.args)] if root != word else [*map(_named, call.args)]
             whole = block.span(call)
             is_alone = text.strip() == text[whole.start : whole.end]
-            found.append(FormCall(word, written, root, block.span(call.func), whole, tuple(names), is_alone))
+            number = number_of(call.args[0]) if len(call.args) == 1 else None
+            span = block.span(call.func)
+            found.append(FormCall(word, written, root, span, whole, tuple(names), is_alone, number))
     return tuple(found)
 
 

@@ -5,6 +5,8 @@ Paper: §3.2 (line 32 of the listing compares where it should assign), §9.
 
 from __future__ import annotations
 
+import math
+import random
 import sys
 from collections.abc import Iterable
 from functools import cached_property
@@ -25,8 +27,22 @@ from lrp_jupyter.language.robot_members import RobotMembers
 
 _STATEMENTS = frozenset({"return", "pass", "break", "continue"})
 """Keywords that are a statement by themselves: misspelt, they are names."""
-_SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
+_SPELT = {
+    **dict.fromkeys(["nil", "null", "undefined"], "None"),
+    **dict.fromkeys(["on", "yes"], "True"),
+    **dict.fromkeys(["off", "no"], "False"),
+    **dict.fromkeys(["inf", "infinity", "Infinity"], 'float("inf")'),
+    "self": "robot",
+}
 """Names from other languages, for which `difflib` would find no similar name."""
+_IN_MODULES = {
+    name: module.__name__
+    for module in (random, math)
+    for name in dir(module)
+    if name[:1].islower() and len(name) > 1
+}
+"""Where a function is that is probably meant by its name alone."""
+_NO_MOVE = "A block cannot change the state. Write a transition, as in"
 
 
 def check_python(report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
@@ -141,6 +157,13 @@ class _Python:
                     problem = f"`{name}` is {what}, and this is a name of this block only that nothing reads"
                     self._add("LRP530", place, span, f"{problem}. Declare a variable with another name.")
                     continue
+                if name not in visible and (name == "state" or name in self._states):
+                    others = {read for read, _, _ in facts.reads} & self._states
+                    if not any(self._is_undefined(place, read) for read in others):
+                        problem = f"`{name}` is a name of this block only, and nothing reads it"
+                        remedy = f"{_NO_MOVE} `(on event source -> destination)`."
+                        self._add("LRP530", place, span, f"{problem}. {remedy}")
+                    continue
                 similar = None if name in visible else self.report.nearest(name, visible)
                 if similar and name not in self._undefined:
                     problem = f"`{name}` is a name of this block only, and nothing reads it"
@@ -191,7 +214,7 @@ class _Python:
         prefix = any(each.startswith(name) for names in groups for each in names)
         similar = (self.report.nearest(name, names) for names in groups)
         meant = _SPELT.get(name) or next(filter(None, similar), None)
-        if meant in BUILTINS and meant[:1].lower() != name[:1].lower():
+        if meant in BUILTINS and name not in _SPELT and meant[:1].lower() != name[:1].lower():
             meant = None  # of that many names, one is always a little similar
         remedy = f"{problem}. Declare `(var {name} := [value])`."
         creatable = name not in self._variables and not place.scope.event(name)
@@ -208,10 +231,27 @@ class _Python:
         elif machine := self._machine_in(place, name):
             remedy, meant = f"`{name}` is a state of `{machine}`. Write its name in quotes.", f'"{name}"'
             creatable = False
+        elif instead := self._no_variable(name) if meant not in place.visible else "":
+            remedy, meant, creatable = instead, None, False
+        elif _is_said(place.block.text, span):
+            remedy, meant = f'{problem}. If it is a text, write it in quotes: `"{name}"`.', f'"{name}"'
         elif meant:
             remedy = f"{problem}. Did you mean `{meant}`?"
+            creatable &= name not in _SPELT
         creates = new_variable(self.report, name) if creatable else None
         self._add(code, place, span, remedy, meant, prefix=prefix, creates=creates)
+
+    def _no_variable(self, name: str) -> str:
+        """Return what to write in place of a name that is not meant as one of a variable; else nothing."""
+        if name in self._states:
+            return f"`{name}` is a state, not a value. {_NO_MOVE} `(on event source -> {name})`."
+        if name == "state":
+            return "`state` is not defined. For the state of a machine that runs, write `machine.state`."
+        module = "" if name in _SPELT else _IN_MODULES.get(name, "")
+        if module:
+            what = f"`{name}` is in the module `{module}`"
+            return f"{what}. Write `import {module}` before it, and `{module}.{name}` here."
+        return ""
 
     def _machine_in(self, place: PlacedBlock, state: str) -> str | None:
         """Return the machine with a state of this name whose state the block asks for."""
@@ -237,6 +277,10 @@ class _Python:
         if name in self.names.computed[1]:
             return "It is a machine that is out of scope here. Move it outward"
         return None
+
+    @cached_property
+    def _states(self) -> frozenset[str]:
+        return frozenset(state for scope in self.scopes for state in scope.states)
 
     @cached_property
     def _variables(self) -> dict[str, Scope]:
@@ -270,9 +314,10 @@ class _Python:
             if not (used and remark.last) and remark.span not in wrong:
                 text = place.block.text[slice(*remark.span)]
                 end = Span(remark.span.end, remark.span.end)
-                remedy = f"Write `{text}()` to call it, or remove it"
+                is_stop = text.endswith(".stop")
+                remedy = f"Write `{text}({'' if is_stop else '…'})` to call it, or remove it"
                 message = f"This only names `{text}` and does nothing. {remedy}."
-                call = "()" if text.count(".") == 1 else None
+                call = "()" if text.count(".") == 1 and is_stop else None
                 self._add("LRP507", place, remark.span, message, call, end)
         for remark in facts.bitwise:
             word = "and" if remark.name == "&" else "or"
@@ -333,6 +378,12 @@ class _Python:
         """Report a finding at a range of a block; `text` is what a fix puts there, or at `edit`."""
         fix = None if text is None else replace(place.block.at(edit or span), text)
         self.report.add(code, place.block.at(span), message, fix, prefix, creates)
+
+
+def _is_said(text: str, span: Span) -> bool:
+    """Return whether a range of a block is the only argument of `robot.say`."""
+    before, after = text[: span.start].rstrip(), text[span.end :].lstrip()
+    return before.endswith("robot.say(") and after.startswith(")")
 
 
 _WANTED = {"condition": "a truth value", "delay": "a number"}

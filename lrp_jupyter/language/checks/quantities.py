@@ -80,7 +80,9 @@ class _Quantities:
         if member.parameters is None:
             for beside in use.beside:
                 number = self._beside(place, beside)
-                if number is not None:
+                if beside.text == "None" and member.limits is not None:
+                    self._none(place, member, beside)
+                elif number is not None:
                     self._compared(place, member, beside.sign, number)
         elif use.call is not None and not use.call.is_open:
             self._passed(place, f"robot.{member.path}", member.parameters, use.call)
@@ -140,6 +142,16 @@ class _Quantities:
         meant = _metres(value, member.unit, member.limits)
         remedy = f"For {value:g} cm, write `{meant}`" if meant else _BETWEEN
         self._add("LRP526", number, f"{number.shown}{what}, {outcome}. {remedy}.", meant)
+
+    def _none(self, place: PlacedBlock, member: RobotMember, beside: Beside) -> None:
+        message, at = f"`robot.{member.path}` is never `None`.", place.block.at(beside.span)
+        if member.type == "float":
+            inf = 'float("inf")'
+            self.report.add(
+                "LRP526", at, f"{message} If nothing is in reach, it is `{inf}`.", replace(at, inf)
+            )
+        else:
+            self.report.add("LRP526", at, f"{message} Compare it with a number.")
 
     def _share(self, path: str, limits: Limits, sign: str, number: _Number) -> None:
         low, high = limits

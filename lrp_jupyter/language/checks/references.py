@@ -217,9 +217,10 @@ class _References:
             return name
         remedy = f"Define `(state {name})` in it"
         if code == "LRP305" and 0 < len(machine.states) <= _FEW:
-            known = " and ".join(f"`{state}`" for state in machine.states)
-            remedy = f"Write one of its states: {known}. Or define `(state {name})` in it"
-            remedy = remedy if len(machine.states) > 1 else f"Write {known}, or define `(state {name})` in it"
+            *others, last = (f"`{state}`" for state in machine.states)
+            known = f"{', '.join(others)} and {last}" if others else last
+            problem = f"{problem}, only {known}"
+            remedy = f"Write {'one of these' if others else 'that'}, or define `(state {name})` in it"
         creates = new_state(self.report, machine.noun, name)
         return self.report.unknown(code, name, problem, machine.states, remedy, creates) or name
 

@@ -5,6 +5,7 @@ Paper: §3.2, §7.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
@@ -13,6 +14,7 @@ from lrp_jupyter.language.checks.report import nearest, replace
 from lrp_jupyter.language.checks.uses import Argument, NameUse, Other, RobotCall, uses_of
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot_members import Fields, Parameters, RobotMember, RobotMembers
+from lrp_jupyter.language.spellings import by_word
 from lrp_jupyter.language.triggers import Purpose
 
 
@@ -25,6 +27,20 @@ class Remedied(NamedTuple):
     fix: Fix | None = None
 
 
+_WORDS = by_word(
+    {
+        "move(linear=0.2)": "forward forwards drive go ahead run straight speed set_speed move_forward",
+        "move(linear=-0.2)": "backward backwards back reverse move_backward",
+        "move(angular=1)": "turn rotate spin steer left right turn_left turn_right",
+        "stop()": "halt brake stand",
+        "say": "speak show display talk write text",
+        "light.data": "color colour grey gray brightness reflection floor line",
+        "bumper.data": "touch button pressed bump collision",
+        "distance.data": "sonar ultrasonic ultrasound infrared ir range obstacle wall",
+        "gyro.data": "angle heading compass rotation",
+    }
+)
+"""What is meant by other words for what robots do and read."""
 _KINDS = {"int": "number", "float": "number", "number": "number", "bool": "truth value", "str": "text"}
 _ARTICLES = {"number": "a number", "truth value": "`True` or `False`", "text": "a text"}
 _TYPES: dict[str, type] = {"int": int, "float": float, "bool": bool, "str": str, "tuple": tuple}
@@ -104,6 +120,12 @@ def _unknown(use: NameUse, members: RobotMembers, around: str, index: int) -> Re
         fix = Fix(f"Change to `robot.{elsewhere[0]}`", (Edit(start, span.end, elsewhere[0]),))
         return Remedied("LRP520", span, f"`{what}` has no `{name}`. Write `robot.{elsewhere[0]}`.", fix)
     meant = _by_arguments(use, members, around) or meant
+    said = _WORDS.get(name.lower(), "") if meant is None and not around else ""
+    root, bracket, _ = said.partition("(")
+    fits = bool(bracket) == (use.role == "called") and len(use.names) == 1
+    if said and fits and root in members.members:
+        reading = replace(span, said) if not bracket else None
+        return Remedied("LRP520", span, f"`{what}` has no `{name}`. Write `robot.{said}`.", reading)
     if meant is None and len(known) == 1:
         message = f"`{what}` has no `{name}`. Write `{what}.{known[0]}`."
         return Remedied("LRP520", span, message, replace(span, known[0]))
@@ -280,7 +302,8 @@ def _method(
     is_plain = not (parameters.names or parameters.required)
     fix = Fix("Insert `()`", (Edit(end, end, "()"),)) if is_plain else None
     if use.role == "stated":
-        written = f"{path}()" if is_plain else call
+        example = "(linear=0.2)" if "linear" in parameters.names else parameters.text
+        written = f"{path}()" if is_plain else f"{path}{example}"
         message = f"This only names `{path}` and does nothing. Write `{written}` to call it, or remove it."
         return Remedied("LRP507", use.span, message, fix)
     if use.role in _USED:
@@ -307,6 +330,11 @@ def _arguments(
         wrong = argument.kind in ("text", "None", "truth value") and is_number_wanted
         if wrong and not argument.assigns:
             return _not_a_number(argument)
+    texts = [*zip(parameters.names, plain, strict=False), *((each.name, each) for each in named)]
+    for name, argument in texts if not parameters.fields else ():
+        is_text = argument.kind == "text"
+        if is_text and (not_a_text := _not_a_text(path, name, argument, parameters)):
+            return not_a_text
     if parameters.fields:
         return _by_position(use, call, path, parameters, plain, is_number)
     if parameters.positional is not None and len(plain) > parameters.positional:
@@ -345,6 +373,17 @@ def _not_a_number(argument: Argument) -> Remedied:
     wrong = _ARTICLES.get(argument.kind, "`None`")
     message = f"`{argument.name}` must be a number, not {wrong}. Write a number."
     return Remedied("LRP521", argument.value, message)
+
+
+def _not_a_text(path: str, name: str, argument: Argument, parameters: Parameters) -> Remedied | None:
+    """Return what is wrong with a text where a number or a truth value is needed."""
+    if name in parameters.limits:
+        return _not_a_number(argument._replace(name=name))
+    if re.search(rf"\b{name}=(True|False)\b", parameters.text):
+        meant = str(argument.text.strip().lower() not in ("off", "false", "no", "0", ""))
+        message = f"`{path}` takes `True` or `False`, and every text counts as true. Write `{meant}`."
+        return Remedied("LRP521", argument.value, message, replace(argument.value, meant))
+    return None
 
 
 def _by_position(

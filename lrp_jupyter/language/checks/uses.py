@@ -55,7 +55,7 @@ class Other(NamedTuple):
 class Beside(NamedTuple):
     """What something is compared with: a number, or what has a name; ``20 > x`` is read as ``x < 20``.
 
-    `text`: the number as it is written; ``degrees(90)`` is one, too.
+    `text`: the number as it is written, of which ``degrees(90)`` is one, too; or ``None``.
     """
 
     sign: str
@@ -85,6 +85,7 @@ class NameUse(NamedTuple):
 SIGNS: dict[type[ast.cmpop], str] = {
     ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
 }  # fmt: skip
+_EQUALITIES: dict[type[ast.cmpop], str] = {ast.Is: "==", ast.IsNot: "!="}
 _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _NEEDS = (ast.Attribute, ast.Subscript, ast.Compare, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.NamedExpr)
 _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number", str: "text"}
@@ -190,7 +191,8 @@ class _Uses:
         return None
 
     def beside(self, node: ast.Compare, operand: ast.expr) -> tuple[Beside, ...]:
-        operands, signs = [node.left, *node.comparators], [SIGNS.get(type(sign), "") for sign in node.ops]
+        operands = [node.left, *node.comparators]
+        signs = [SIGNS.get(type(sign), _EQUALITIES.get(type(sign), "")) for sign in node.ops]
         at = next(index for index, each in enumerate(operands) if each is operand)
         around = [(signs[at], operands[at + 1])] if at < len(signs) else []
         around += [(_MIRRORED.get(signs[at - 1], signs[at - 1]), operands[at - 1])] if at else []
@@ -202,7 +204,9 @@ class _Uses:
             inner = number_of(other.args[0])
             if isinstance(other.func, ast.Name) and other.func.id == "degrees" and inner is not None:
                 number = math.radians(inner)
-        return Beside(sign, self.span(other), number, name, ast.unparse(other) if number is not None else "")
+        is_none = isinstance(other, ast.Constant) and other.value is None
+        text = ast.unparse(other) if is_none or number is not None else ""
+        return Beside(sign, self.span(other), number, name, text)
 
     def _beside_abs(self, call: ast.AST) -> tuple[Beside, ...]:
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "abs"):
