@@ -28,7 +28,7 @@ _Shape = TypeVar("_Shape", bound=Solid | Zone)
 
 @dataclass(frozen=True)
 class Variation:
-    """What differs in a world, and by how much at most to either side; see :func:`moves` and :func:`shades`.
+    """What differs in a world, by how much at most; see :func:`moves`, :func:`shades`, :func:`wears`.
 
     Parameters
     ----------
@@ -40,6 +40,8 @@ class Variation:
         Of the robot's heading, and the angle of solids.
     grey : float
         By how much white gets darker, and black lighter.
+    speed, wheels : float
+        Of the speed at which both wheels of the robot turn, and of each one's own, as fractions of it.
     """
 
     what: tuple[str, ...]
@@ -47,6 +49,8 @@ class Variation:
     y: float = 0.0
     degrees: float = 0.0
     grey: float = 0.0
+    speed: float = 0.0
+    wheels: float = 0.0
 
     def of(self, world: World, chance: random.Random) -> World:
         """Return a world that differs in this.
@@ -68,6 +72,10 @@ class Variation:
         if ROBOT in self.what:
             at_x, at_y, heading = robot.pose
             robot = replace(robot, pose=(at_x + x, at_y + y, heading + angle))
+        if self.speed or self.wheels:
+            both, *each = (1 + chance.uniform(-most, most) for most in (self.speed, self.wheels, self.wheels))
+            left, right = (both * own * wheel for own, wheel in zip(each, robot.wheels, strict=True))
+            robot = replace(robot, wheels=(left, right))
         floor = world.floor
         if FLOOR in self.what:
             floor = FloorSpec(
@@ -96,6 +104,14 @@ def moves(*what: str, x: float = 0.0, y: float = 0.0, degrees: float = 0.0) -> V
 def shades(grey: float) -> Variation:
     """Let the floor be darker in some runs, and its lines lighter: each by at most so many of 255 greys."""
     return Variation((FLOOR,), grey=grey)
+
+
+def wears(speed: float = 0.0, wheels: float = 0.0) -> Variation:
+    """Let the robot be faster or slower than it is told, as with another battery, and its wheels uneven.
+
+    Both are fractions of the speed, at most: of both wheels, and of each one by itself.
+    """
+    return Variation((), speed=speed, wheels=wheels)
 
 
 def varied(world: World, variations: Iterable[Variation], seed: int) -> World:

@@ -115,7 +115,7 @@ class Memory:
     odometer: Odometer
     first_heading: float = 0.0  # rad: the gyro counts from here
     command: tuple[float, float] = (0.0, 0.0)
-    slip: tuple[float, float] = (1.0, 1.0)  # factor of motor noise on each wheel's speed, in this tick
+    slip: tuple[float, float] = (1.0, 1.0)  # factor on each wheel's speed in this tick, noise included
     readings: Readings = field(default_factory=Readings)
     latched_at: int = -1
     pressed_at: int = -1
@@ -161,7 +161,7 @@ class SimRobot:
 
     def start(self) -> None:
         """Reset the memory."""
-        self.memory = Memory(Odometer(self.spec.pose), self.spec.pose[2])
+        self.memory = Memory(Odometer(self.spec.pose), self.spec.pose[2], slip=self.spec.wheels)
 
     @property
     def start_motion(self) -> Motion:
@@ -201,7 +201,7 @@ class SimRobot:
         self.steer()
 
     def steer(self) -> None:
-        """Compute the target speeds from the command and the motor noise of this tick."""
+        """Compute the target speeds from the command, the wheels, and the motor noise of this tick."""
         linear, angular = self.memory.command
         left_slip, right_slip = self.memory.slip
         if left_slip != 1.0 or right_slip != 1.0:

@@ -334,7 +334,11 @@ class Simulation:
             memory = robot.memory
             motor = robot.spec.noise.motor
             if motor:
-                memory.slip = (1.0 + self._random.gauss(0.0, motor), 1.0 + self._random.gauss(0.0, motor))
+                left, right = robot.spec.wheels
+                memory.slip = (
+                    left * (1.0 + self._random.gauss(0.0, motor)),
+                    right * (1.0 + self._random.gauss(0.0, motor)),
+                )
                 robot.steer()
             bumped = memory.pressed_at > memory.latched_at or memory.pressed_at == self.steps
             robot.sense(self.floor, self._space, self._random, bumped, memory.take_bumps(self.steps))

@@ -252,6 +252,8 @@ class RobotSpec:
         Greatest speeds, in m/s and rad/s.
     noise : Noise
         None by default.
+    wheels : tuple
+        How fast the left and the right wheel turn, as a fraction of what they are told: 0.9 is a weak one.
     name : str
         Its name, by which programs address it if it is not the first one: ``robot.NAME.move(…)``.
     """
@@ -263,6 +265,7 @@ class RobotSpec:
     distance: tuple[Point, ...] = ((0.0, 2.0),)
     limits: tuple[float, float] = (0.5, 4.0)
     noise: Noise = Noise()
+    wheels: tuple[float, float] = (1.0, 1.0)
     name: str = ""
 
 

@@ -208,6 +208,7 @@ def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
     forward, turning = _numbers(
         record.get("limits", standard.limits), f"{place}.limits", 2, low=_SMALL, high=100.0
     )
+    left, right = _numbers(record.get("wheels", standard.wheels), f"{place}.wheels", 2, low=_SMALL, high=10.0)
     return RobotSpec(
         pose=(x, y, heading),
         radius=_number(record.get("radius", standard.radius), f"{place}.radius", low=0.01, high=10.0),
@@ -216,6 +217,7 @@ def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
         distance=rays,
         limits=(forward, turning),
         noise=_noise(record.get("noise", {}), f"{place}.noise"),
+        wheels=(left, right),
         name=_robot_name(record.get("name", ""), f"{place}.name"),
     )
 

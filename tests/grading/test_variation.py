@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import Criterion, ends_in, visits
+from lrp_jupyter.grading.criteria import Criterion, drives, ends_in, visits
 from lrp_jupyter.grading.grade import grade
-from lrp_jupyter.grading.variation import moves, shades, varied
+from lrp_jupyter.grading.variation import moves, shades, varied, wears
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, FloorSpec, PathStroke, RobotSpec, World
 
 YARD = World(
@@ -52,6 +52,18 @@ def test_the_same_seed_varies_a_world_alike_and_others_otherwise():
 def test_what_a_world_does_not_have_is_refused_with_the_nearest_name():
     with pytest.raises(LRPError, match="nothing named `gaol`"):
         moves("gaol", x=1).of(YARD, random.Random(0))
+
+
+def test_wheels_wear_within_their_bounds_and_a_robot_drives_as_they_turn():
+    worlds = [varied(YARD, [wears(0.2, 0.1)], seed) for seed in range(20)]
+    wheels = [world.robots[0].wheels for world in worlds]
+    assert len(set(wheels)) == 20
+    for left, right in wheels:
+        assert 0.8 * 0.9 <= left <= 1.2 * 1.1
+        assert 0.9 / 1.1 <= left / right <= 1.1 / 0.9
+    assert varied(worlds[0], [moves("robot")], 1).robots[0].wheels == wheels[0]
+    driven = [grade(BY_THE_CLOCK, Challenge("there", "", world, drives(0.5), 9)).passed for world in worlds]
+    assert set(driven) == {True, False}
 
 
 BY_THE_CLOCK = """

@@ -30,6 +30,18 @@ def test_a_commanded_robot_drives_a_circle():
     assert simulation.robot.pose[:2] == pytest.approx((1, 1), abs=0.02)
 
 
+def test_a_robot_with_uneven_wheels_bends_towards_the_slower_one():
+    simulation = Simulation(World((4, 2), (RobotSpec((1, 1, 0), wheels=(0.8, 0.9)),)))
+    for _ in range(2):
+        simulation.drive(0.2)
+        simulation.step(100)
+        x, y, heading = simulation.robot.pose
+        assert 1.1 < x < 1.17
+        assert y > 1.01
+        assert heading == pytest.approx(0.02 / (1.4 * 0.08), abs=0.01)
+        simulation.reset()
+
+
 def test_a_command_holds_until_the_next():
     simulation = room()
     simulation.drive(0.2)

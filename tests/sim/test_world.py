@@ -64,6 +64,7 @@ robots = st.builds(
     bumper=st.booleans(),
     distance=st.lists(st.tuples(number, positive), max_size=2).map(tuple),
     limits=st.tuples(positive, positive),
+    wheels=st.tuples(st.floats(0.1, 2), st.floats(0.1, 2)),
     noise=st.builds(
         Noise, motor=st.floats(0, 1), light=st.floats(0, 50), odom=st.floats(0, 1), dropout=st.floats(0, 1)
     ),
