@@ -1,5 +1,7 @@
 """Criteria, as functions of the samples of a run."""
 
+import math
+
 import pytest
 from support.tables import every
 
@@ -10,10 +12,12 @@ from lrp_jupyter.grading.criteria import (
     bumps,
     bumps_in,
     drives_on,
+    drives_smoothly,
     drives_straight,
     ends_near_line,
     finds_line,
     gets_away,
+    keeps_distance,
     keeps_driving,
     lit_while,
     looks,
@@ -25,7 +29,9 @@ from lrp_jupyter.grading.criteria import (
     stops_at,
     visits,
     within,
+    without,
 )
+from lrp_jupyter.grading.criteria.contact import gap_to
 from lrp_jupyter.grading.run_record import RunRecord, at_start
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, FloorSpec, PathStroke, RobotSpec, World
@@ -74,6 +80,11 @@ TABLE = [
     (keeps_driving(1), run(5, v=lambda t: 0.2 * (t < 2)), 0, "it stood still for 3.0 s"),
     (drives_straight(0.8), run(5, v=0.2), 1, "100%"),
     (drives_straight(0.8), run(5, v=0.2, w=0.5), 0, "0%"),
+    (drives_smoothly(0.1), run(4, v=lambda t: 0.1 * (t > 1)), 1, "its speed changed by 10 cm/s at most"),
+    (drives_smoothly(0.1), run(4, v=lambda t: 0.2 * (t > 1)), 0, "changed by 20 cm/s after 1.1 s"),
+    (keeps_distance("box", 1, 3), run(5, v=0.2), 1, "it was 187 to 287 cm away"),
+    (keeps_distance("box", 1, 2.5), run(5, v=0.2), 0, "it was 287 cm away after 0.0 s"),
+    (keeps_distance("box", 2, 3), run(5, v=0.2), 0, "it was 187 cm away after 5.0 s"),
     (backs_off(2), run(4, v=lambda t: -0.1 if t % 2 > 1 else 0.1), 1, "it backed off twice"),
     (backs_off(2), run(4, v=0.1), 0, "it never backed off"),
     (within(2, visits("here", "there")), run(6, v=0.6), 0.99, "not within 2 s"),
@@ -159,3 +170,20 @@ def test_a_machine_that_is_written_twice_is_not_reused():
     assert reused("part").missing(record) == "there are 2 machines `part`"
     record.programs.append(parse("(machine m (state a))"))
     assert reused("part").missing(record) == "there is no machine `part`"
+
+
+def test_a_program_that_must_do_without_a_task_may_name_it_in_a_comment():
+    record = run(1)
+    record.programs.append(parse("; not robot.drive_by\n(machine m (state a (running [robot.move()])))"))
+    assert without("drive_by", "turn_by").missing(record) is None
+    record.programs.append(
+        parse("(machine m (state a) (state b) (on [robot.turn_by.succeeded and drive_by] a -> b))")
+    )
+    assert without("drive_by", "turn_by").missing(record) == "it uses `robot.turn_by`"
+
+
+@every(("angle", "gap"), [(0, 0.87), (math.pi / 2, 0.42)])
+def test_the_gap_to_a_box_is_that_to_its_nearest_side(angle, gap):
+    (sample,) = run(0).samples
+    there = sample._replace(x=2.0, solids=((3.0, 1.0, angle), *sample.solids[1:]))
+    assert gap_to(run(0), "box", there) == pytest.approx(gap)

@@ -8,6 +8,7 @@ functions make criteria; a teacher writes more of them as ``Criterion(sentence, 
 from lrp_jupyter.grading.criteria.contact import (
     bumps,
     bumps_in,
+    keeps_distance,
     never_pushes,
     stops_at,
     touches,
@@ -20,6 +21,7 @@ from lrp_jupyter.grading.criteria.looking import looks
 from lrp_jupyter.grading.criteria.motion import (
     backs_off,
     drives,
+    drives_smoothly,
     drives_straight,
     ends_still,
     keeps_driving,
@@ -45,6 +47,7 @@ from lrp_jupyter.grading.criteria.program_rules import (
     no_faults,
     reused,
     slows_to,
+    without,
 )
 
 __all__ = [
@@ -61,6 +64,7 @@ __all__ = [
     "covers",
     "drives",
     "drives_on",
+    "drives_smoothly",
     "drives_straight",
     "edited",
     "ends_in",
@@ -69,6 +73,7 @@ __all__ = [
     "enters",
     "finds_line",
     "gets_away",
+    "keeps_distance",
     "keeps_driving",
     "lasts",
     "lit_while",
@@ -90,4 +95,5 @@ __all__ = [
     "turns",
     "visits",
     "within",
+    "without",
 ]

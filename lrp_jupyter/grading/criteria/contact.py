@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -11,6 +12,7 @@ from lrp_jupyter.grading.criteria.order import in_order, longest, reason_of
 from lrp_jupyter.grading.criteria.places import no_solid
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.live.running.frame import is_active
+from lrp_jupyter.sim.world import BoxSolid
 
 _APART = 0.5  # s; contacts that are closer are one bump
 
@@ -112,6 +114,45 @@ def stops_at(solid: str, seconds: float) -> Criterion:
         return Found(1, f"it stopped {max(0.0, drove - touched):.1f} s after touching the {solid}")
 
     return Criterion(f"stops within {seconds:g} s of touching the {solid}", judge, "always")
+
+
+def keeps_distance(solid: str, least: float, most: float) -> Criterion:
+    """Require that the gap between the robot and a solid is never narrower or wider than this, in metres."""
+
+    def judge(run: RunRecord) -> Found:
+        _check(run, (solid,))
+
+        def extremes(so_far: _Gaps, now: Sample, _: Sample) -> _Gaps:
+            gap = gap_to(run, solid, now)
+            nearest, furthest = so_far
+            return min(nearest, (gap, now.time)), max(furthest, (gap, now.time))
+
+        nearest, furthest = run.fold(extremes, ((math.inf, 0.0), (-math.inf, 0.0)), ("keeps distance", solid))
+        for worst, is_wrong in ((nearest, nearest[0] < least), (furthest, furthest[0] > most)):
+            if is_wrong:
+                return Found(0, f"it was {worst[0] * 100:.0f} cm away after {worst[1]:.1f} s")
+        return Found(1, f"it was {nearest[0] * 100:.0f} to {furthest[0] * 100:.0f} cm away")
+
+    sentence = f"stays {least * 100:g} to {most * 100:g} cm away from the {solid}"
+    return Criterion(sentence, judge, "always")
+
+
+def gap_to(run: RunRecord, solid: str, sample: Sample) -> float:
+    """Return the gap between the robot's rim and a named solid, in metres."""
+    index = next(index for index, each in enumerate(run.world.solids) if each.name == solid)
+    shape, (x, y, angle) = run.world.solids[index], sample.solids[index]
+    cos, sin = math.cos(angle), math.sin(angle)
+    ahead, left = sample.x - x, sample.y - y
+    ahead, left = abs(cos * ahead + sin * left), abs(cos * left - sin * ahead)
+    if isinstance(shape, BoxSolid):
+        half_length, half_width = shape.box[2] / 2, shape.box[3] / 2
+        gap = math.hypot(max(0.0, ahead - half_length), max(0.0, left - half_width))
+    else:
+        gap = math.hypot(ahead, left) - shape.circle[2]
+    return gap - run.world.robots[0].radius
+
+
+_Gaps = tuple[tuple[float, float], tuple[float, float]]  # the narrowest and the widest, each with its time
 
 
 def _touches(solid: str, now: Sample) -> bool:

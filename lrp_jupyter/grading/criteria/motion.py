@@ -79,6 +79,22 @@ def keeps_driving(seconds: float) -> Criterion:
     return Criterion(f"never stands still for longer than {seconds:g} s", judge, "always")
 
 
+def drives_smoothly(step: float) -> Criterion:
+    """Require that the commanded speed never changes by more than this from a tick to the next, in m/s."""
+
+    def judge(run: RunRecord) -> Found:
+        def largest(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
+            change = round(abs(now.command[0] - before.command[0]), 6)
+            return so_far if change <= so_far[0] else (change, now.time)
+
+        change, time = run.fold(largest, (0.0, 0.0), "drives smoothly")
+        if change <= step + 1e-6:
+            return Found(1, f"its speed changed by {change * 100:.0f} cm/s at most")
+        return Found(0, f"its speed changed by {change * 100:.0f} cm/s after {time:.1f} s")
+
+    return Criterion(f"changes its speed by at most {step * 100:g} cm/s per tick", judge, "always")
+
+
 def within(seconds: float, criterion: Criterion) -> Criterion:
     """Require that a criterion is met within this time from the start."""
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.language.checks.uses import uses_of
 from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.resolution import resolve
 
 _SPAN = 2.0  # s, over which a speed is measured
 
@@ -50,6 +52,24 @@ def reused(machine: str, states: int = 2) -> Criterion:
     several = {2: "two"}.get(states, states)
     sentence = f"runs `{machine}`, which is written once, in {several} states"
     return Criterion(sentence, judge, "once", needs_motion=False)
+
+
+def without(*members: str) -> Criterion:
+    """Require that the program does not use these members of the robot, such as ``"drive_by"``."""
+
+    def judge(run: RunRecord) -> Found:
+        used = {
+            use.names[0]
+            for program in run.programs
+            for placed in resolve(program).all_blocks
+            for use in uses_of("robot", placed.block.text)
+            if use.names
+        }
+        found = [f"`robot.{name}`" for name in members if name in used]
+        return Found(not found, f"it uses {' and '.join(found)}" if found else "it uses none of them")
+
+    listed = ", ".join(f"`{name}`" for name in members)
+    return Criterion(f"does without {listed}", judge, "always", needs_motion=False)
 
 
 def edited(times: int = 1) -> Criterion:
