@@ -16,6 +16,7 @@ from lrp_jupyter.grading.criteria import (
     covers,
     drives,
     drives_on,
+    drives_smoothly,
     drives_straight,
     edited,
     ends_in,
@@ -24,6 +25,7 @@ from lrp_jupyter.grading.criteria import (
     enters,
     finds_line,
     gets_away,
+    keeps_distance,
     keeps_driving,
     lasts,
     lit_while,
@@ -43,8 +45,9 @@ from lrp_jupyter.grading.criteria import (
     turns,
     visits,
     within,
+    without,
 )
-from lrp_jupyter.grading.variation import Variation, moves, shades
+from lrp_jupyter.grading.variation import Variation, moves, shades, wears
 
 __all__ = [
     "Challenge",
@@ -60,6 +63,7 @@ __all__ = [
     "covers",
     "drives",
     "drives_on",
+    "drives_smoothly",
     "drives_straight",
     "edited",
     "ends_in",
@@ -68,6 +72,7 @@ __all__ = [
     "enters",
     "finds_line",
     "gets_away",
+    "keeps_distance",
     "keeps_driving",
     "lasts",
     "lit_while",
@@ -90,5 +95,7 @@ __all__ = [
     "touches_nothing",
     "turns",
     "visits",
+    "wears",
     "within",
+    "without",
 ]

@@ -12,6 +12,7 @@ from lrp_jupyter.grading.bundled.lines import (
     STOP_AT_THE_LINE,
     STOP_AT_THE_WIDE_LINE,
 )
+from lrp_jupyter.grading.bundled.measuring import EXACT_WAY, KEEP_YOUR_DISTANCE, STOP_BEFORE_THE_WALL
 from lrp_jupyter.grading.bundled.returning import (
     DEBUG_THE_LISTING,
     LAP,
@@ -45,6 +46,9 @@ BUNDLED = (
     LAMP_AND_LEGS,
     SAFE_EDITS,
     TWO_SQUARES,
+    EXACT_WAY,
+    KEEP_YOUR_DISTANCE,
+    STOP_BEFORE_THE_WALL,
     KEEP_ALONG,
     WALL_FOLLOWER,
     EDGE_GUARD,

@@ -1,0 +1,263 @@
+"""Challenges about measuring: where the robot is, how far away a thing is, and what if a sensor fails."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from lrp_jupyter.grading.bundled.common_hints import ignores
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import (
+    drives_smoothly,
+    ends_in,
+    ends_still,
+    keeps_distance,
+    lasts,
+    touches_nothing,
+    visits,
+    without,
+)
+from lrp_jupyter.grading.criteria.contact import gap_to
+from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.grading.variation import moves, wears
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, Patrol, RobotSpec, World
+
+_RADIUS = RobotSpec((0, 0, 0)).radius
+
+# -- exact way -----------------------------------------------------------------------------------------
+
+_LONG, _ACROSS, _NEAR = 1.2, 0.6, 0.2  # m
+
+
+def _way() -> World:
+    """Return a world with zones at the corners of a way: straight on, to the left, and back."""
+    x, y = 0.7, 0.6
+    corners = {
+        "first corner": (x + _LONG, y),
+        "second corner": (x + _LONG, y + _ACROSS),
+        "goal": (x, y + _ACROSS),
+    }
+    zones = {name: CircleZone((*at, _NEAR)) for name, at in corners.items()}
+    return World(name="exact way", size=(2.6, 1.8), robots=(RobotSpec((x, y, 0)),), zones=zones)
+
+
+_TASKS = without("drive_by", "turn_by", "drive_to")
+_ROUND = visits("first corner", "second corner", "goal")
+
+
+def _lost_its_way(run: RunRecord) -> Iterator[str]:
+    if reason := _TASKS.missing(run):
+        yield (
+            f"The program asks the robot for its way: {reason}. Here the program measures itself: steer with"
+            " `robot.move`, and let `robot.odom` and `robot.gyro` decide."
+        )
+    yield from ignores(
+        run, "odom", "A speed and a time are not a way: let `[robot.odom.x > 1.2]` end the first side."
+    )
+    yield from ignores(
+        run, "gyro", "It says how far the robot has turned: `[robot.gyro.data > degrees(90)]` ends a quarter."
+    )
+    first, last = run.samples[0], run.samples[-1]
+    turned = math.degrees(last.heading - first.heading)
+    bend, _ = run.fold(_bend, (0.0, False))
+    edge = run.touch("edge")
+    if turned > 500:
+        yield (
+            f"The robot turned {turned:.0f}°. `robot.gyro.data` is in radians, and counts from the start:"
+            " `[robot.gyro.data > degrees(90)]` ends the first corner."
+        )
+    elif turned < -45:
+        yield (
+            f"The robot turned {-turned:.0f}° to the right. To the left, `angular` is positive, and so is"
+            " the gyro."
+        )
+    elif bend > 10:
+        yield (
+            f"On its first side the robot bent off by {bend:.0f}°, because its wheels are uneven. Steer"
+            " against the error while it drives: `robot.move(linear=0.2, angular=2 * (0 -"
+            " robot.gyro.data))`, on each side with its own angle instead of 0."
+        )
+    elif edge:
+        yield (
+            f"The robot drove into the edge after {edge.time:.1f} s{_state(edge)}, when it had turned"
+            f" {math.degrees(edge.heading - first.heading):.0f}°. `robot.odom` and `robot.gyro` count from"
+            " the start, not from the last corner: the sides end at `x` = 1.2, `y` = 0.6 and `x` = 0, the"
+            " corners at 90° and 180°."
+        )
+    elif reason := _ROUND.missing(run):
+        yield (
+            f"The robot missed a corner: {reason}. `robot.odom.x` and `.y` count from the start: the first"
+            " side ends at `x` = 1.2, the second at `y` = 0.6, and the way back at `x` = 0."
+        )
+
+
+def _state(sample: Sample) -> str:
+    """Say which state was active, the innermost one."""
+    return f", in the state `{sample.active[-1][-1]}`" if sample.active else ""
+
+
+def _bend(so_far: tuple[float, bool], now: Sample, before: Sample) -> tuple[float, bool]:
+    """Keep how far the robot bends off, in degrees, as long as it is told to drive straight on."""
+    bend, is_over = so_far
+    is_over = is_over or bool(before.command[1]) or bool(now.command[1])
+    return (bend if is_over else max(bend, abs(math.degrees(now.heading)))), is_over
+
+
+EXACT_WAY = Challenge(
+    "exact way",
+    "Drive 1.2 m straight on, 60 cm to the left, and 1.2 m back, each side to 20 cm, and stop there. The"
+    " motors are uneven, and the program measures itself: with `robot.odom` and `robot.gyro`, without tasks"
+    " such as `drive_by`.",
+    (_way(),),
+    (_TASKS, _ROUND, ends_in("goal"), ends_still(1)),
+    90,
+    (_lost_its_way,),
+    noise={"motor": 0.08, "odom": 0.02, "gyro": 0.01},
+    seeds=6,
+    starter=starter("exact way"),
+    vary=wears(speed=0.4, wheels=0.04),
+)
+
+
+# -- keep your distance --------------------------------------------------------------------------------
+
+_LEAST, _WANTED, _MOST = 0.2, 0.4, 0.6  # m
+_STEP = 0.15  # m/s
+_HALF = 0.1  # m, of the box
+
+
+def _lane(name: str, speed: float, way: float) -> World:
+    """Return a lane in which a box drives ahead of the robot, to and fro."""
+    x, y = 0.6, 0.4
+    middle = x + _RADIUS + _WANTED + _HALF
+    box = BoxSolid((middle, y, 2 * _HALF, 0.4), name="box", patrol=Patrol(((way, 0.0),), speed))
+    return World(name=name, size=(4, 0.8), solids=(box,), robots=(RobotSpec((x, y, 0)),))
+
+
+_GAP, _SMOOTH = keeps_distance("box", _LEAST, _MOST), drives_smoothly(_STEP)
+
+
+def _did_not_keep_its_distance(run: RunRecord) -> Iterator[str]:
+    yield from ignores(run, "distance", "The box is not equally fast in every world: let the sensor decide.")
+    last = run.samples[-1]
+    gap, speed = gap_to(run, "box", last), last.command[0]
+    error = gap - _WANTED
+    if reason := _SMOOTH.missing(run):
+        if abs(error) > 0.05 or len({round(sample.command[0], 3) for sample in run.samples}) < 5:
+            yield (
+                f"The robot jerked: {reason}. A state with a fixed speed starts and stops in one step. Let"
+                " the speed follow the error: `robot.move(linear=gain * (robot.distance.data - 0.4))`."
+            )
+        else:
+            yield (
+                f"The robot jerked: {reason}, although it was only {abs(error) * 100:.0f} cm away from where"
+                " it should be. The gain is too large: it makes a great speed of a small error. Make it"
+                " smaller."
+            )
+    elif _GAP.missing(run) and error * speed < 0:
+        yield (
+            f"After {last.time:.1f} s the box was {gap * 100:.0f} cm away, and the robot drove at"
+            f" {speed:.2f} m/s: the wrong way. The error is `robot.distance.data - 0.4`: too far is positive,"
+            " and forward is too."
+        )
+    elif _GAP.missing(run) and last.touched and abs(speed) >= 0.49:
+        yield "The robot drove as fast as it can, and touched something. Make the gain smaller."
+    elif _GAP.missing(run):
+        yield (
+            f"After {last.time:.1f} s the box was {gap * 100:.0f} cm away, and the robot drove at"
+            f" {speed:.2f} m/s only: it lags behind, because the gain is too small. With a gain of 0.5, an"
+            " error of 10 cm gives 0.05 m/s."
+        )
+
+
+KEEP_YOUR_DISTANCE = Challenge(
+    "keep your distance",
+    "A box drives ahead of the robot, to and fro. Stay 20 to 60 cm away from it for 40 seconds, and drive"
+    " smoothly: from tick to tick the speed changes by 15 cm/s at most.",
+    (_lane("slow box", 0.1, 1.0), _lane("box", 0.13, 1.5), _lane("fast box", 0.18, 2.2)),
+    (_GAP, _SMOOTH, lasts(40)),
+    45,
+    (_did_not_keep_its_distance,),
+    noise={"motor": 0.01, "distance": 0.003},
+    seeds=2,
+    starter=starter("keep your distance"),
+    vary=(moves("robot", x=0.02, y=0.05), wears(speed=0.15)),
+)
+
+# -- stop before the wall ------------------------------------------------------------------------------
+
+_NEAREST, _FURTHEST = 0.15, 0.35  # m
+_FAILURE = 0.04  # chance that the sensor fails, in a tick
+
+
+def _wall(name: str, metres: float) -> World:
+    """Return a lane with a wall so many metres ahead of the robot's rim."""
+    wall, y = 4.0, 0.5
+    zone = BoxZone((wall - _RADIUS - (_NEAREST + _FURTHEST) / 2, y, _FURTHEST - _NEAREST, 1.0))
+    return World(
+        name=name,
+        size=(wall, 1.0),
+        robots=(RobotSpec((wall - _RADIUS - metres, y, 0)),),
+        zones={"before the wall": zone},
+    )
+
+
+def _gap_ahead(run: RunRecord, sample: Sample) -> float:
+    return run.world.size[0] - _RADIUS - sample.x
+
+
+def _stopped_elsewhere(run: RunRecord) -> Iterator[str]:
+    yield from ignores(run, "distance", "The wall is elsewhere in each world: let the sensor decide.")
+    first, last, touch = run.samples[0], run.samples[-1], run.touch()
+    gap = _gap_ahead(run, last)
+    blind = next((s for s in reversed(run.samples[-15:]) if math.isinf(s.distances[0]) and gap < 1), None)
+    if touch and blind and _gap_ahead(run, first) > _NEAREST:
+        yield (
+            f"The robot touched the wall after {touch.time:.1f} s. Shortly before, its sensor had failed: it"
+            " read `inf`, as if nothing were there. Drive slowly, or not at all, while it reads more than"
+            " 1.9."
+        )
+    elif touch and _gap_ahead(run, first) < _NEAREST:
+        yield (
+            f"The robot began {_gap_ahead(run, first) * 100:.0f} cm before the wall, and touched it after"
+            f" {touch.time:.1f} s. Try that start in your own test. It has to drive backward there."
+        )
+    elif touch:
+        yield (
+            f"The robot touched the {min(touch.touched)} after {touch.time:.1f} s, at"
+            f" {abs(last.command[0]):.2f} m/s. Between two ticks it is blind: stop earlier, or drive more"
+            " slowly."
+        )
+    elif run.stood < 1:
+        yield (
+            f"After {run.seconds:.0f} s the robot was {gap * 100:.0f} cm away from the wall and not at rest."
+            " Leave a gap between the distance at which it drives backward and the one at which it stops."
+        )
+    elif math.isinf(last.distances[0]) and gap > 1.5:
+        yield (
+            f"The robot stood {gap:.1f} m away from the wall, where its sensor reads `inf`: the wall is out"
+            " of its range. That is not the same as a sensor that fails for a second: drive on, slowly."
+        )
+    elif gap < _NEAREST:
+        yield (
+            f"The robot stood {gap * 100:.0f} cm before the wall, which is too near. Where it begins too"
+            " near, or has come too near, it has to drive backward."
+        )
+    elif gap > _FURTHEST:
+        yield f"The robot stood {gap * 100:.0f} cm before the wall, which is too far away."
+
+
+STOP_BEFORE_THE_WALL = Challenge(
+    "stop before the wall",
+    "Stop 15 to 35 cm before the wall ahead within a minute, and touch nothing: however far away the wall is,"
+    " and although the distance sensor fails now and then: for a second it reads `inf`.",
+    (_wall("wall ahead", 1.2), _wall("near wall", 0.12), _wall("wall out of range", 2.8)),
+    (touches_nothing(), ends_in("before the wall"), ends_still(2)),
+    60,
+    (_stopped_elsewhere,),
+    noise={"motor": 0.02, "distance": 0.005, "dropout": _FAILURE},
+    seeds=6,
+    starter=starter("stop before the wall"),
+    vary=(moves("robot", x=0.02, y=0.1), wears(speed=0.15)),
+)
