@@ -95,13 +95,14 @@ async function site() {
   const outdir = `${OUT}/site`;
   const { metafile } = await build({
     ...options,
-    entryPoints: ["page", "worker", "cache"].map((name) => `src/site/${name}.ts`),
+    entryPoints: ["page", "lesson", "worker", "cache"].map((name) => `src/site/${name}.ts`),
     outdir,
     minify: true,
     metafile: true,
     logLevel: "info",
   });
-  for (const name of ["index.html", "page.css"]) copyFileSync(`src/site/${name}`, `${outdir}/${name}`);
+  for (const name of ["index.html", "page.css", "lesson.css"])
+    copyFileSync(`src/site/${name}`, `${outdir}/${name}`);
   writeFileSync(`${outdir}/THIRD-PARTY-LICENSES.txt`, licences("page.js", Object.keys(metafile.inputs)));
 }
 

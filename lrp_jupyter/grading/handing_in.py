@@ -1,10 +1,21 @@
-"""What is handed in without a file: a code of the text, to be written on paper or read aloud."""
+"""What is handed in without a file: a code of a text, to be written down, and a link with a program in it."""
 
 from __future__ import annotations
 
 import hashlib
+import re
+import zlib
+from base64 import urlsafe_b64decode
 from functools import lru_cache
+from typing import NamedTuple
+from urllib.parse import parse_qs, unquote
 
+from lrp_jupyter.errors import LRPError
+
+_LINK = re.compile(
+    r"https?://[^\s?#<>\"']*(?:\?(?P<query>(?:(?!https?://)[^\s#<>\"'])*))?#text=(?P<packed>[\w-]+)"
+)
+_LONGEST = 1_000_000  # characters of a program
 _SYMBOLS = "0123456789ABCDEFGHJKMNPQRSTVWXYZ"  # without those that are easily taken for others
 _LENGTH = 8
 _ROUNDS = 2000  # so that trying millions of texts until one has a given code takes too long
@@ -19,3 +30,49 @@ def code_of(text: str) -> str:
     number = int.from_bytes(digest[:_LENGTH])
     code = "".join(_SYMBOLS[number >> 5 * place & 31] for place in range(_LENGTH))
     return f"{code[:4]}-{code[4:]}"
+
+
+class Linked(NamedTuple):
+    """A program in a link that a page of a site has made.
+
+    `before`: what stands before the link in its line, such as the name of a student.
+    `challenge`: the one that it is for; empty if the link names none.
+    `program`: its name; may be empty.
+    """
+
+    before: str
+    challenge: str
+    program: str
+    text: str
+
+
+def programs_in(text: str) -> list[Linked]:
+    """Return the programs in the links of a text, such as a mail, a list or an Internet shortcut.
+
+    Raises LRPError: a link is damaged.
+    """
+    return [_linked(line, found) for line in map(_plain, text.splitlines()) for found in _LINK.finditer(line)]
+
+
+def _plain(line: str) -> str:
+    """Return a line as it was before a mail program put its link into one of its own."""
+    return unquote(line) if "%23text%3D" in line else line
+
+
+def _linked(line: str, found: re.Match[str]) -> Linked:
+    before = re.split("https?://|URL=", line[: found.start()])[0].strip(" \t,;:<>\"'|-")
+    try:
+        packed = urlsafe_b64decode(found["packed"] + "=" * (-len(found["packed"]) % 4))
+        inflate = zlib.decompressobj(wbits=-15)
+        text = inflate.decompress(packed, _LONGEST).decode()
+        if not inflate.eof:
+            raise ValueError("the end is missing, or it is too long")
+    except (ValueError, zlib.error) as error:
+        whose = f" of `{before}`" if before else ""
+        raise LRPError(
+            f"The link{whose} is damaged, so the program in it cannot be read. Ask for it again, copied as a"
+            " whole."
+        ) from error
+    asked = parse_qs(found["query"] or "")
+    challenge, program = (asked.get(key, [""])[0] for key in ("challenge", "program"))
+    return Linked(before, challenge, program, text)

@@ -12,6 +12,8 @@ from tempfile import TemporaryDirectory
 from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenges import challenges
+from lrp_jupyter.site.lesson_pages import write_lessons
+from lrp_jupyter.site.lessons import read_lessons
 from lrp_jupyter.site.notebooks import build_notebooks, check_installed, kernel_wheels
 from lrp_jupyter.site.packages import collect, pack
 from lrp_jupyter.site.runtime import LOCK, RUNTIME, Pyodide
@@ -56,7 +58,8 @@ def build_site(
         if offline:
             say("Copying Python …")
             runtime.copy(RUNTIME, python)
-        _write_page(site, wheel.name, offline)
+        version = _write_page(site, wheel.name, offline)
+        write_lessons(read_lessons(notebooks), site, version)
         say("Building the notebooks …")
         build_notebooks(notebooks, site / "jupyter", offline)
         (site / _MARK).write_text("")
@@ -64,8 +67,8 @@ def build_site(
         site.replace(folder)
 
 
-def _write_page(site: Path, wheel: str, offline: bool) -> None:
-    """Write the page into the folder of a site, whose packages are there already."""
+def _write_page(site: Path, wheel: str, offline: bool) -> str:
+    """Write the page into the folder of a site, whose packages are there already; return its version."""
     described = {
         "python": "python/" if offline else Pyodide.url,
         "lock": f"python/{LOCK}",
@@ -80,8 +83,10 @@ def _write_page(site: Path, wheel: str, offline: bool) -> None:
     (site / "site.json").write_text(json.dumps(described), encoding="utf-8")
     for file in (_STATIC / "lab.js", _STATIC / "lab.css", *(_STATIC / "site").iterdir()):
         shutil.copyfile(file, site / file.name)
+    version = _version(site)
     index = site / "index.html"
-    index.write_text(index.read_text(encoding="utf-8").replace("VERSION", _version(site)), encoding="utf-8")
+    index.write_text(index.read_text(encoding="utf-8").replace("VERSION", version), encoding="utf-8")
+    return version
 
 
 def _version(site: Path) -> str:

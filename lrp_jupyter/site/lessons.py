@@ -51,18 +51,9 @@ class Lesson:
     sections: tuple[Section, ...]
 
 
-def lessons(folder: Path) -> list[Lesson]:
-    """Return the lessons of a folder, in their order.
-
-    Raises LRPError: there is none, or one cannot be read.
-    """
-    found = [read_lesson(file) for file in sorted(folder.glob("[0-9][0-9]-*.ipynb"))]
-    if not found:
-        raise LRPError(
-            f"There is no lesson in `{shown(folder)}`. The names of lessons begin with a number, as in "
-            "`00-hello.ipynb`."
-        )
-    return found
+def read_lessons(folder: Path) -> list[Lesson]:
+    """Return the lessons of a folder, in their order; LRPError: one cannot be read."""
+    return [read_lesson(file) for file in sorted(folder.glob("[0-9][0-9]-*.ipynb"))]
 
 
 def read_lesson(file: Path) -> Lesson:

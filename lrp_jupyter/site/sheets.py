@@ -16,10 +16,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.files import read_text, write_file
+from lrp_jupyter.files import read_text, shown, write_file
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Event, Program, State, Transition
-from lrp_jupyter.site.lessons import CodeCell, Lesson, Section, html_of, inline_html, lessons, page
+from lrp_jupyter.site.lessons import CodeCell, Lesson, Section, html_of, inline_html, page, read_lessons
 
 UNPLUGGED = Path("teachers/unplugged.md")
 """The page, in the folder of the notebooks, whose program becomes cards."""
@@ -48,7 +48,12 @@ def write_sheets(notebooks: Path, folder: Path, is_pdf: bool = False) -> list[Pa
 
     Raises LRPError: there are no lessons, a file cannot be read or written, or no browser makes a PDF.
     """
-    pages = {lesson.name: worksheet(lesson) for lesson in lessons(notebooks)}
+    pages = {lesson.name: worksheet(lesson) for lesson in read_lessons(notebooks)}
+    if not pages:
+        raise LRPError(
+            f"There is no lesson in `{shown(notebooks)}`. The names of lessons begin with a number, as in "
+            "`00-hello.ipynb`."
+        )
     unplugged = notebooks / UNPLUGGED
     if unplugged.is_file():
         pages["cards"] = cards(read_text(unplugged))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from lrp_jupyter import programs
@@ -59,9 +60,16 @@ def open_program(wanted: str, send: SendText) -> Opened:
 
     Its ``program`` is a name; it may have a ``text``, a ``world`` and a ``challenge``. With ``again`` the
     text that was kept here continues, as expected of a page that is loaded again. With ``hung`` it does not
-    run until the user starts it.
+    run until the user starts it. A lesson names a ``bridge``, a ``folder`` in which texts are kept, and a
+    ``setup``, Python that defines what the program needs.
     """
     address: dict[str, Any] = json.loads(wanted)
+    names: dict[str, Any] = {}
+    if address.get("setup"):
+        names["__name__"] = "__main__"  # as in a notebook
+        exec(address["setup"], names)
+    folder = Path(address.get("folder") or ".")
+    folder.mkdir(parents=True, exist_ok=True)
     text: str = address.get("text") or ""
     task = challenge(address["challenge"]) if address.get("challenge") else None
     name: str = address.get("program") or ("follower" if task is None else task.name.replace(" ", "-"))
@@ -72,10 +80,14 @@ def open_program(wanted: str, send: SendText) -> Opened:
     else:
         start = programs.load(name)
     world = address.get("world") or programs.world_of(start, None)
-    robot = registry.robot_for(world) if task is None else {"task": task}
+    robot: dict[str, Any] = {"task": task}
+    if task is None:
+        robot = {"bridge": address["bridge"]} if address.get("bridge") else registry.robot_for(world)
     given = None if address.get("again") or not text else text
     reason = _HUNG if address.get("hung") else ""
-    connection = registry.open_program(name, given, namespace={}, paused=reason, given_in="link", **robot)
+    connection = registry.open_program(
+        name, given, namespace=names, folder=folder, paused=reason, given_in="link", **robot
+    )
     if not connection.texts.text.strip():  # nothing was kept
         connection.texts.write(start)
     return Opened(connection, send)

@@ -7,7 +7,7 @@ from support.tables import every
 
 from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.site.lessons import lessons
+from lrp_jupyter.site.lessons import read_lessons
 
 ROOT = shipped_notebooks()
 ENTRY = re.compile(r"^\*\*(.+?)\*\* \(\[(\d+)\]\((.+?)\)\): (.+?)(?: \*Elsewhere: (.+)\.\*)?$", re.M)
@@ -33,7 +33,7 @@ def without_code(text):
 
 PAGE = (ROOT / "glossary.md").read_text(encoding="utf-8")
 ENTRIES = [Entry(*found) for found in ENTRY.findall(PAGE)]
-LESSONS = {lesson.name: prose(lesson) for lesson in lessons(ROOT)}
+LESSONS = {lesson.name: prose(lesson) for lesson in read_lessons(ROOT)}
 
 
 def uses(word, text):

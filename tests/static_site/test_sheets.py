@@ -15,10 +15,10 @@ from lrp_jupyter.files import read_text
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.sim.world import BoxSolid, FloorSpec, PathStroke, RobotSpec, World
 from lrp_jupyter.site import sheets
-from lrp_jupyter.site.lessons import CodeCell, inline_html, lessons
-from lrp_jupyter.site.sheets import UNPLUGGED, cards, worksheet
+from lrp_jupyter.site.lessons import CodeCell, inline_html, read_lessons
+from lrp_jupyter.site.sheets import UNPLUGGED, cards, worksheet, write_sheets
 
-LESSONS = lessons(shipped_notebooks())
+LESSONS = read_lessons(shipped_notebooks())
 PAGE = read_text(shipped_notebooks() / UNPLUGGED)
 PROGRAM = parse(re.search(r"```lrp\n(.*?)```", PAGE, re.DOTALL)[1])
 
@@ -79,7 +79,7 @@ def test_where_no_browser_makes_pdf_the_pages_are_there(tmp_path, monkeypatch):
 
 def test_a_folder_without_lessons_is_told(tmp_path):
     with pytest.raises(LRPError, match="There is no lesson"):
-        lessons(tmp_path)
+        write_sheets(tmp_path, tmp_path / "sheets")
 
 
 def test_there_is_a_card_for_each_state_event_and_transition_with_the_words_of_its_players():

@@ -57,12 +57,16 @@ async function kept(request: Request): Promise<Response> {
   return response;
 }
 
-/** The page as it is published now; without a network as it was. */
+/** The page as it is published now; without a network as it was. One that was never visited is the first one. */
 async function newest(request: Request): Promise<Response> {
+  const [page] = request.url.split(/[?#]/) as [string];
+  const cache = await caches.open(NAME);
   try {
-    return await fetch(request);
+    const response = await fetch(request);
+    if (response.ok) await cache.put(page, response.clone());
+    return response;
   } catch (error) {
-    const found = await caches.match("./", { ignoreSearch: true });
+    const found = (await cache.match(page)) ?? (await caches.match("./", { ignoreSearch: true }));
     if (found) return found;
     throw error;
   }

@@ -14,6 +14,13 @@ export interface Site {
   challenges: { name: string; task: string }[];
 }
 
+/** What a lab in a lesson needs besides: its own robot, where texts are kept, and what is run before it. */
+export interface InLesson extends Wanted {
+  bridge?: string;
+  folder?: string;
+  setup?: string;
+}
+
 /** The program that is open: its name, its text, the bundled world of its robot, if it is one, its challenge. */
 export interface Shared {
   program: string;
@@ -24,7 +31,7 @@ export interface Shared {
 
 export type ToWorker =
   | { do: "start"; site: Site; base: string }
-  | { do: "open"; wanted: Wanted & { again: boolean; hung: boolean } }
+  | { do: "open"; wanted: InLesson & { again: boolean; hung: boolean } }
   | { do: "message"; message: string }
   | { do: "text" }
   | { do: "ping" };

@@ -2,8 +2,7 @@
 
 import type { Model } from "../session/connection";
 import type { Packed } from "../session/plain";
-import type { Wanted } from "./address";
-import type { FromWorker, Shared, Site, ToWorker } from "./messages";
+import type { FromWorker, InLesson, Shared, Site, ToWorker } from "./messages";
 
 const PING_EVERY = 1000; // ms
 const SILENT_AFTER = 8000;
@@ -47,7 +46,7 @@ export class Python {
     this.timer = window.setInterval(() => this.watch(), PING_EVERY);
   }
 
-  async open(wanted: Wanted, again: boolean, hung: boolean): Promise<void> {
+  async open(wanted: InLesson, again: boolean, hung: boolean): Promise<void> {
     await this.ask({ do: "open", wanted: { ...wanted, again, hung } }, "opened");
   }
 
