@@ -89,9 +89,13 @@ _MAZE = """
 
 
 def _maze() -> World:
-    """Build a wall for every stroke of the drawing."""
+    return drawn_maze("maze", _MAZE)
+
+
+def drawn_maze(name: str, drawing: str) -> World:
+    """Build a wall for every stroke of a drawing; the way leads from its first cell to its last one."""
     cell, thick = 0.5, 0.04
-    rows = _MAZE.strip().splitlines()
+    rows = drawing.strip().splitlines()
     width, height = (len(rows[0]) // 3) * cell, (len(rows) // 2) * cell
     solids = []
     for row, text in enumerate(rows[1:-1], start=1):  # the frame is the world's own edge
@@ -105,7 +109,7 @@ def _maze() -> World:
                 solids.append(BoxSolid(((first + last) / 2 * cell, y, (last - first) * cell + thick, thick)))
     robot = RobotSpec((cell / 2, height - cell / 2, 0), distance=_AROUND)
     zones = {"goal": CircleZone((width - cell / 2, cell / 2, 0.2))}
-    return World(name="maze", size=(width, height), solids=tuple(solids), robots=(robot,), zones=zones)
+    return World(name=name, size=(width, height), solids=tuple(solids), robots=(robot,), zones=zones)
 
 
 def _arena() -> World:

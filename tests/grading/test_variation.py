@@ -1,16 +1,20 @@
 """Seeds put things elsewhere: as far as a challenge allows, alike each time, in the lab as in the marks."""
 
+import itertools
 import random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter import Session
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import Criterion, drives, ends_in, visits
 from lrp_jupyter.grading.grade import grade
-from lrp_jupyter.grading.variation import moves, shades, varied, wears
+from lrp_jupyter.grading.variation import mirrored, moves, shades, varied, wears
+from lrp_jupyter.sim import worlds
+from lrp_jupyter.sim.floor import LiveFloor
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, FloorSpec, PathStroke, RobotSpec, World
 
 YARD = World(
@@ -54,15 +58,46 @@ def test_what_a_world_does_not_have_is_refused_with_the_nearest_name():
         moves("gaol", x=1).of(YARD, random.Random(0))
 
 
+AXES = [{"x": True}, {"y": True}, {"x": True, "y": True}]
+
+
+@pytest.mark.parametrize("axes", AXES, ids=" ".join)
+def test_the_floor_of_a_mirrored_world_is_its_mirror_image(axes):
+    for world in map(worlds.load, worlds.BUNDLED):
+        width, height = world.size
+        floor, other = LiveFloor(world.floor), LiveFloor(mirrored(world, "mirrored", **axes).floor)
+        for x, y in itertools.product(range(1, 60), range(1, 40)):
+            x, y = width * x / 60, height * y / 40
+            there = width - x if axes.get("x") else x, height - y if axes.get("y") else y
+            assert other.light(*there) == pytest.approx(floor.light(x, y), abs=1)
+
+
+LOOKING_AROUND = """
+(machine m (state on (running [robot.move(angular={}); far.append(robot.distance.data)]))) (spawn m on)
+"""
+
+
+@pytest.mark.parametrize("axes", AXES, ids=" ".join)
+def test_a_robot_that_turns_the_other_way_sees_in_the_mirror_what_it_sees_here(axes):
+    seen = []
+    other = mirrored(worlds.load("boxes"), "mirrored", **axes)
+    for world, angular in (("boxes", 0.5), (other, 0.5 if len(axes) == 2 else -0.5)):
+        far = []
+        with Session(LOOKING_AROUND.format(angular), "sim", world=world, namespace={"far": far}) as session:
+            session.run(13)
+        seen.append(far)
+    assert seen[0] == pytest.approx(seen[1], abs=1e-6)
+
+
 def test_wheels_wear_within_their_bounds_and_a_robot_drives_as_they_turn():
-    worlds = [varied(YARD, [wears(0.2, 0.1)], seed) for seed in range(20)]
-    wheels = [world.robots[0].wheels for world in worlds]
+    worn = [varied(YARD, [wears(0.2, 0.1)], seed) for seed in range(20)]
+    wheels = [world.robots[0].wheels for world in worn]
     assert len(set(wheels)) == 20
     for left, right in wheels:
         assert 0.8 * 0.9 <= left <= 1.2 * 1.1
         assert 0.9 / 1.1 <= left / right <= 1.1 / 0.9
-    assert varied(worlds[0], [moves("robot")], 1).robots[0].wheels == wheels[0]
-    driven = [grade(BY_THE_CLOCK, Challenge("there", "", world, drives(0.5), 9)).passed for world in worlds]
+    assert varied(worn[0], [moves("robot")], 1).robots[0].wheels == wheels[0]
+    driven = [grade(BY_THE_CLOCK, Challenge("there", "", world, drives(0.5), 9)).passed for world in worn]
     assert set(driven) == {True, False}
 
 

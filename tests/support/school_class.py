@@ -53,7 +53,13 @@ def zipped(files: dict[str, str | bytes]) -> bytes:
 
 def disguised(text: str) -> str:
     """Return a program with other names, comments and layout."""
-    for word, other in (("rover", "auto"), ("driving", "los"), ("backing", "weg"), ("turning", "um"), ("bump", "b")):
+    for word, other in (
+        ("rover", "auto"),
+        ("driving", "los"),
+        ("backing", "weg"),
+        ("turning", "um"),
+        ("bump", "b"),
+    ):
         text = text.replace(f" {word}", f" {other}").replace(f"({word}", f"({other}")
     return "; all mine\n" + text.replace(")\n", ")   ; so\n\n")
 
@@ -72,7 +78,10 @@ def make(folder: Path) -> dict[str, str]:
         ("both", {"first.lrp": first, "lamp.lrp": headed(LAMP, lamp)}),
         ("both", {"all.zip": zipped({"a/first.lrp": first, "a/b/x.LRP": headed(LAMP, lamp)})}),
         ("both", {"first-move.lrp": good, "lamp.lrp": disguised(lamp)}),  # named by their files
-        ("both", {"lesson.ipynb": notebook({FIRST: good, LAMP: given[LAMP]}), "lamp.lrp": headed(LAMP, lamp)}),
+        (
+            "both",
+            {"lesson.ipynb": notebook({FIRST: good, LAMP: given[LAMP]}), "lamp.lrp": headed(LAMP, lamp)},
+        ),
         ("first", {"mine.txt": first}),
         ("first", {"MINE.LRP": first}),
         ("first", {"mine.lrp.txt": first}),
@@ -119,14 +128,13 @@ def worksheet(separator: str = ",") -> str:
     """Return the table that Moodle wants back; two rows are of students who have handed in nothing."""
     comma = separator == ";"
     most = "100,00" if comma else "100.00"
-    head = (
-        "Identifier,Full name,Email address,Status,Grade,Maximum Grade,Grade can be changed,"
-        "Last modified (submission),Last modified (grade),Feedback comments"
-    ).split(",")
+    head = ["Identifier", "Full name", "Email address", "Status", "Grade", "Maximum Grade", "Grade can be changed", "Last modified (submission)", "Last modified (grade)", "Feedback comments"]
     rows = [head]
     for number, student in enumerate([*STUDENTS, "Nobody There", "Else Where"]):
         mail = f"{number}@school.example"
-        rows.append([f"Participant {1000 + number}", student, mail, "Submitted", "", most, "Yes", "-", "-", ""])
+        rows.append(
+            [f"Participant {1000 + number}", student, mail, "Submitted", "", most, "Yes", "-", "-", ""]
+        )
     return "\ufeff" + "\r\n".join(separator.join(f'"{cell}"' for cell in row) for row in rows) + "\r\n"
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from lrp_jupyter.grading.criteria import sees_line
+from lrp_jupyter.grading.criteria import sees_line, stops_once
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 
 
@@ -66,6 +66,15 @@ def kept_pushing(run: RunRecord) -> Iterator[str]:
             " transition with the condition `[robot.bumper.data == 1]` has to lead out of the state that"
             " drives."
         )
+
+
+def stopped_too_early(run: RunRecord, where: str) -> Iterator[str]:
+    """Say that the robot had stopped, and drove on."""
+    if reason := _ONCE.missing(run):
+        yield f"The robot stopped in the wrong place: {reason}. It may stop only once, {where}."
+
+
+_ONCE = stops_once()
 
 
 def never_saw_the_line(run: RunRecord) -> Iterator[str]:

@@ -27,6 +27,7 @@ from lrp_jupyter.grading.criteria.motion import (
     keeps_driving,
     lasts,
     not_carried,
+    stops_once,
     turns,
     within,
 )
@@ -37,6 +38,7 @@ from lrp_jupyter.grading.criteria.places import (
     gets_away,
     pushes,
     stays_in,
+    stays_near,
     visits,
 )
 from lrp_jupyter.grading.criteria.program_rules import (
@@ -89,7 +91,9 @@ __all__ = [
     "sees_line",
     "slows_to",
     "stays_in",
+    "stays_near",
     "stops_at",
+    "stops_once",
     "touches",
     "touches_nothing",
     "turns",

@@ -79,6 +79,33 @@ def keeps_driving(seconds: float) -> Criterion:
     return Criterion(f"never stands still for longer than {seconds:g} s", judge, "always")
 
 
+def stops_once(seconds: float = 4) -> Criterion:
+    """Require that the robot does not drive on after it has stood still for longer than this time.
+
+    So no program passes that stops again and again, in the hope of one right place.
+    """
+
+    def judge(run: RunRecord) -> Found:
+        def step(
+            so_far: tuple[bool, float, float | None], now: Sample, before: Sample
+        ) -> tuple[bool, float, float | None]:
+            """Keep whether it has driven, since when it stands still, and when it went on."""
+            has_driven, since, went_on = so_far
+            if not any(now.command) and not now.moved(before):
+                return so_far
+            if has_driven and went_on is None and before.time - since > seconds:
+                went_on = now.time
+            return has_driven or now.moved(before), now.time, went_on
+
+        nothing: tuple[bool, float, float | None] = (False, 0.0, None)
+        went_on = run.fold(step, nothing, ("stops once", seconds))[2]
+        if went_on is None:
+            return Found(1, "it did not drive on after a stop")
+        return Found(0, f"it had stopped, and drove on after {went_on:.1f} s")
+
+    return Criterion("stops only once", judge, "always")
+
+
 def drives_smoothly(step: float) -> Criterion:
     """Require that the commanded speed never changes by more than this from a tick to the next, in m/s."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from functools import partial
 
@@ -9,7 +10,7 @@ from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.run_record import RunRecord, Sample
-from lrp_jupyter.sim.world import BoxZone, World, Zone
+from lrp_jupyter.sim.world import BoxZone, DiscSolid, Pose, Solid, World, Zone
 
 _REST = 0.001  # m; a solid that lies still may tremble so far in one period
 
@@ -102,6 +103,28 @@ def avoids(zone: str) -> Criterion:
     return Criterion(f"never comes into `{zone}`", judge, "always")
 
 
+def stays_near(solid: str, metres: float) -> Criterion:
+    """Require that the middle of the robot is never further than this from the nearest solid of a name."""
+
+    def judge(run: RunRecord) -> Found:
+        shapes = {index: each for index, each in enumerate(run.world.solids) if each.name == solid}
+        if not shapes:
+            raise no_solid(run.world, solid, (each.name for each in run.world.solids))
+
+        def furthest(so_far: tuple[float, float], now: Sample, _: Sample) -> tuple[float, float]:
+            nearest = min(
+                _distance(shape, now.solids[index], now.x, now.y) for index, shape in shapes.items()
+            )
+            return max(so_far, (nearest, now.time))
+
+        far, when = run.fold(furthest, (0.0, 0.0), ("furthest from", solid))
+        if far <= metres:
+            return Found(1, f"it was at most {far * 100:.0f} cm away")
+        return Found(0, f"it was {far * 100:.0f} cm away after {when:.1f} s")
+
+    return Criterion(f"is never further than {metres * 100:g} cm from the {solid}", judge, "always")
+
+
 def ends_in(zone: str) -> Criterion:
     """Require that the robot is in a zone at the end."""
 
@@ -142,3 +165,14 @@ def pushes(solid: str, zone: str, seconds: float = 0.0) -> Criterion:
 
 def _is_in(zone: Zone, now: Sample) -> bool:
     return zone.contains(now.x, now.y)
+
+
+def _distance(shape: Solid, pose: Pose, x: float, y: float) -> float:
+    """Return how far a point is from a solid at a pose; 0 inside of it."""
+    dx, dy = x - pose[0], y - pose[1]
+    if isinstance(shape, DiscSolid):
+        return max(0.0, math.hypot(dx, dy) - shape.circle[2])
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    _, _, width, height = shape.box
+    along, across = abs(dx * cos + dy * sin) - width / 2, abs(dy * cos - dx * sin) - height / 2
+    return math.hypot(max(0.0, along), max(0.0, across))

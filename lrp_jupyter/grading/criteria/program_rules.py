@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
+from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.language.checks.uses import uses_of
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.running.frame import is_active
 
 _SPAN = 2.0  # s, over which a speed is measured
 
 _Recent = tuple[tuple[float, float, int], ...]  # time, way, and version of the program
 
 
-def enters(state: str) -> Criterion:
-    """Require that a state of the program, given by name or path, is entered."""
+def enters(*states: str) -> Criterion:
+    """Require that states of the program, given by name or path, are entered, in this order."""
 
     def judge(run: RunRecord) -> Found:
-        found = run.entered(state)
-        return Found(bool(found), f"entered after {found.time:.1f} s" if found else "never entered")
+        names = [f"`{state}`" for state in states]
+        done = in_order(run, [partial(_is_in, state) for state in states], ("enters", states))
+        if len(states) == 1:
+            return Found(bool(done), f"entered after {done[0]:.1f} s" if done else "never entered")
+        return Found(len(done) / len(states), reason_of(done, names, "came to"))
 
-    return Criterion(f"enters the state `{state}`", judge, "once", needs_motion=False)
+    some = "the states" if len(states) > 1 else "the state"
+    sentence = f"enters {some} " + ", then ".join(f"`{state}`" for state in states)
+    return Criterion(sentence, judge, "once", needs_motion=False)
+
+
+def _is_in(state: str, now: Sample) -> bool:
+    return is_active(state, now.active)
 
 
 def reused(machine: str, states: int = 2) -> Criterion:
