@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 from lrp_jupyter.grading.bundled.common_hints import ignores, longest_push, lost_the_line, never_saw_the_line
@@ -10,8 +11,19 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import ends_still, touches, within
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.variation import mirrored, moves
 from lrp_jupyter.programs import load
+from lrp_jupyter.sim.world import BoxSolid
+from lrp_jupyter.sim.worlds import load as load_world
 
+_LINE = load_world("line")
+_AROUND = replace(  # a block on the way that is straight on, up to the edge of the world
+    _LINE,
+    name="line around a block",
+    solids=(*_LINE.solids, BoxSolid((_LINE.size[0] / 2, 0.3, 0.14, 0.6), name="block")),
+)
+_LINES = (_AROUND, mirrored(_AROUND, "mirrored line", y=True))
+_ELSEWHERE = moves("robot", x=0.08, y=0.01, degrees=20)
 _FOLLOWER = load("follower").split("\n\n", 1)[1].replace(")))\n\n(spawn", "))\n)\n\n(spawn")
 _NOISE = {"motor": 0.02, "light": 5.0}
 _LAP = 35.0  # s
@@ -68,12 +80,13 @@ _THERE_AND_BACK = (_TOUCHES, ends_still(2))
 THERE_AND_BACK = Challenge(
     "there and back",
     "Follow the line until you bump into the far wall, come back, and end at the near wall.",
-    ("line",),
+    _LINES,
     _THERE_AND_BACK,
-    120,
+    180,
     (_hints,),
     noise=_NOISE,
-    seeds=3,
+    seeds=2,
+    vary=_ELSEWHERE,
     starter=starter("there and back"),
 )
 
@@ -81,24 +94,26 @@ DEBUG_THE_LISTING = Challenge(
     "debug the printed listing",
     "This program is meant to follow the line to the far wall, to come back, and to end at the near wall. It"
     " was printed in a paper, and it does not. Find its mistakes, one after the other.",
-    ("line",),
+    _LINES,
     _THERE_AND_BACK,
     300,
     (_hints,),
     noise=_NOISE,
-    seeds=3,
+    seeds=2,
+    vary=_ELSEWHERE,
     starter=starter("debug the printed listing"),
 )
 
 LAP = Challenge(
     "lap",
     "There and back again, in a hurry: touch the far wall and then the near wall.",
-    ("line",),
+    _LINES,
     (within(_LAP, _TOUCHES),),
     _LAP,
     (_hints,),
     noise=_NOISE,
-    seeds=3,
+    seeds=2,
+    vary=_ELSEWHERE,
     starter=_FOLLOWER,
 )
 
@@ -106,12 +121,13 @@ ROBUST_FOLLOWER = Challenge(
     "robust follower",
     "There and back, with bad motors and a bad light sensor: in 90% of 50 runs, the robot has to touch the"
     " far wall and then the near wall.",
-    ("line",),
+    _LINES,
     (_TOUCHES,),
-    90,
+    120,
     (_hints,),
-    noise={"motor": 0.35, "light": 50.0},
-    seeds=tuple(range(1000, 1050)),
+    noise={"motor": 0.2, "light": 70.0},
+    seeds=tuple(range(1000, 1025)),
+    vary=_ELSEWHERE,
     starter=starter("robust follower"),
     needed=0.9,
 )
