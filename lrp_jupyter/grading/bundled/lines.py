@@ -6,7 +6,12 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from lrp_jupyter.grading.bundled.common_hints import ignores, lost_the_line, never_saw_the_line
+from lrp_jupyter.grading.bundled.common_hints import (
+    ignores,
+    lost_the_line,
+    never_saw_the_line,
+    stopped_too_early,
+)
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import (
@@ -16,10 +21,12 @@ from lrp_jupyter.grading.criteria import (
     finds_line,
     near_line,
     sees_line,
+    stops_once,
     visits,
 )
 from lrp_jupyter.grading.criteria.order import longest
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.variation import moves, shades
 from lrp_jupyter.sim.floor import distance_to
 from lrp_jupyter.sim.world import (
     ArcStroke,
@@ -118,6 +125,7 @@ def _stopped_before(run: RunRecord) -> Iterator[str]:
 
 
 def _did_not_stop(run: RunRecord) -> Iterator[str]:
+    yield from stopped_too_early(run, "when its light sensor sees the line")
     yield from _drove_over(run)
     yield from _stopped_before(run)
     crossed = min(distance_to(run.world.floor, sample.x, sample.y) for sample in run.samples) < 0.1
@@ -132,6 +140,7 @@ def _did_not_stop(run: RunRecord) -> Iterator[str]:
 
 def _stopped_at_another(run: RunRecord) -> Iterator[str]:
     wide, last = run.world.zones["wide line"], run.samples[-1]
+    yield from stopped_too_early(run, "on the wide line")
     black = run.last(lambda sample: sees_line(sample) and sample.time <= run.still_since + 1e-6)
     if run.stood < 2:
         seconds = longest(run, lambda now, before: sees_line(now) and sees_line(before), "sees black")
@@ -157,6 +166,7 @@ def _stopped_at_another(run: RunRecord) -> Iterator[str]:
 
 
 def _did_not_find_it(run: RunRecord) -> Iterator[str]:
+    yield from stopped_too_early(run, "when its light sensor sees the line")
     yield from _drove_over(run)
     turned, seen = run.turned.total, run.first(sees_line)
     if not seen and turned <= 60:
@@ -193,10 +203,12 @@ STOP_AT_THE_LINE = Challenge(
     "stop at the line",
     "Drive straight on and stop at the black line, however far away it is.",
     tuple(map(_line_after, (0.5, 0.9, 1.5))),
-    (finds_line(), ends_in("at the line"), ends_still(2)),
-    20,
+    (finds_line(), ends_in("at the line"), ends_still(2), stops_once()),
+    60,
     (_did_not_stop,),
     noise={"motor": 0.02},
+    seeds=5,
+    vary=(moves("floor", "at the line", x=0.08), moves("robot", y=0.1, degrees=5), shades(30)),
     starter=starter("stop at the line"),
 )
 
@@ -208,10 +220,12 @@ STOP_AT_THE_WIDE_LINE = Challenge(
         _thin_and_wide("five thin lines", (0.7, 0.9, 0.97, 1.5, 1.9), 2.6),
         _thin_and_wide("a thin line before and after", (0.9, 2.0), 1.4),
     ),
-    (visits("wide line"), ends_in("wide line"), ends_still(2)),
-    30,
+    (visits("wide line"), ends_in("wide line"), ends_still(2), stops_once()),
+    90,
     (_stopped_at_another,),
     noise={"motor": 0.02},
+    seeds=2,
+    vary=(moves("floor", "wide line", x=0.08), moves("robot", y=0.1, degrees=5), shades(30)),
     starter=starter("stop at the wide line"),
 )
 
@@ -223,10 +237,12 @@ FIND_THE_LINE = Challenge(
         _line_beside("to the right", (0.3, 0.6), (2.1, 0.6)),
         _line_beside("behind", (0.4, 0.3), (0.4, 1.7)),
     ),
-    (finds_line(), ends_near_line(0.12), ends_still(2)),
-    60,
+    (finds_line(), ends_near_line(0.12), ends_still(2), stops_once()),
+    120,
     (_did_not_find_it,),
     noise={"motor": 0.02},
+    seeds=2,
+    vary=(moves("floor", x=0.05, y=0.05), moves("robot", x=0.05, y=0.05, degrees=8), shades(30)),
     starter=starter("find the line"),
 )
 
@@ -235,8 +251,9 @@ FOLLOW_THE_LINE = Challenge(
     "Follow the closed line once around, never further than 12 cm from it, however narrow its curves are.",
     tuple(map(_oval, (0.3, 0.45, 0.7))),
     (visits("right", "left", "start"), _NEAR),
-    100,
+    150,
     (_did_not_follow,),
     noise={"motor": 0.02, "light": 5},
+    vary=(moves("robot", x=0.1, y=0.01, degrees=10), shades(30)),
     starter=starter("follow the line"),
 )
