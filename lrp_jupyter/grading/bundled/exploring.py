@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import covers, looks, sees_line, stays_in, touches_nothing, visits
+from lrp_jupyter.grading.criteria import avoids, covers, looks, sees_line, stays_in, touches_nothing, visits
 from lrp_jupyter.grading.run_record import RunRecord
-from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World, middle_of, put_at
-from lrp_jupyter.sim.worlds import load
+from lrp_jupyter.grading.variation import mirrored, moves, shades
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
+from lrp_jupyter.sim.worlds import drawn_maze, load
 
 
-def _junction(name: str, free: int, corridor: float) -> World:
+def _junction(name: str, free: int, corridor: float, blocked: float, deep: float) -> World:
     """Return a corridor with a wall at its end, and a way to each side, of which one is free.
 
     `free`: 1 if the way to the left is free, -1 if that to the right is.
     `corridor`: length of the corridor, in metres.
+    `blocked`, `deep`: how far the blocked way and the free one go, from the middle, in metres.
     """
-    wide, long, thick = 0.5, 1.0, 0.06  # of the ways to both sides
-    middle, crossing = 1.3, 0.3 + corridor + wide / 2  # y of the corridor, x of the ways
+    wide, most, thick = 0.5, 1.4, 0.06  # of the ways to both sides
+    middle, crossing = most, 0.3 + corridor + wide / 2  # y of the corridor, x of the ways
     far = crossing + wide / 2 + thick / 2
     near = crossing - wide / 2
 
@@ -31,43 +31,32 @@ def _junction(name: str, free: int, corridor: float) -> World:
         return BoxSolid(box, name="corridor")
 
     def flank(side: int) -> BoxSolid:
-        depth = long - thick
+        depth = most - wide / 2 - thick
         box = (near - thick / 2, middle + side * (wide / 2 + thick + depth / 2), thick, depth)
         return BoxSolid(box, name="corner")
+
+    def end(side: int, depth: float) -> BoxSolid:
+        return BoxSolid((crossing, middle + side * (depth + thick / 2), wide, thick), name="block")
+
+    def way(side: int, depth: float) -> BoxZone:
+        reach = depth - wide / 2 - 0.03
+        return BoxZone((crossing, middle + side * (wide / 2 + 0.03 + reach / 2), wide, reach))
 
     return World(
         name=name,
         size=(far + thick / 2, 2 * middle),
         solids=(
             BoxSolid((far, middle, thick, 2 * middle), name="wall ahead"),
-            BoxSolid((crossing, middle - free * (wide / 2 + 0.1), wide, 0.2), name="block"),
+            end(-free, blocked),
+            end(free, deep),
             *(wall for side in (1, -1) for wall in (beside(side), flank(side))),
         ),
         robots=(RobotSpec((0.3, middle, 0)),),
         zones={
             "junction": BoxZone((crossing, middle, wide, wide)),
-            "free way": BoxZone((crossing, middle + free * (wide / 2 + 0.5), wide, 0.6)),
+            "longer way": way(free, deep),
+            "shorter way": way(-free, blocked),
         },
-    )
-
-
-def _mirrored(world: World, name: str, *, x: bool = False, y: bool = False) -> World:
-    """Return a world, in which no solid is turned, as it is seen in a mirror along an axis, or both."""
-    width, height = world.size
-
-    def there(at: tuple[float, float]) -> tuple[float, float]:
-        return (width - at[0] if x else at[0], height - at[1] if y else at[1])
-
-    (robot,) = world.robots
-    heading = math.atan2(
-        math.sin(robot.pose[2]) * (-1 if y else 1), math.cos(robot.pose[2]) * (-1 if x else 1)
-    )
-    return replace(
-        world,
-        name=name,
-        solids=tuple(put_at(solid, there(middle_of(solid))) for solid in world.solids),
-        robots=(replace(robot, pose=(*there(robot.pose[:2]), heading)),),
-        zones={key: put_at(zone, there(middle_of(zone))) for key, zone in world.zones.items()},
     )
 
 
@@ -89,11 +78,11 @@ def _went_blindly(run: RunRecord) -> Iterator[str]:
             f"The robot has to look to both sides before it goes on: {missing}. A machine inside a state can"
             " look to the left, remember the distance, look to the right, and compare."
         )
-    if not missing and not run.entry("free way"):
-        free = run.world.zones["free way"]
-        side = "left" if isinstance(free, BoxZone) and free.box[1] > run.samples[0].y else "right"
+    if not missing and not run.entry("longer way"):
+        way = run.world.zones["longer way"]
+        side = "left" if isinstance(way, BoxZone) and way.box[1] > run.samples[0].y else "right"
         yield (
-            f"The robot looked to both sides, but did not take the free way, which here is to the {side}."
+            f"The robot looked to both sides, but did not take the longer way, which here is to the {side}."
             " Compare the two values of `robot.distance.data` that were measured: the greater one is the way."
             " After looking to the right, the robot still faces right; from there to the left is half a"
             " turn, pi radians."
@@ -135,19 +124,33 @@ def _lost_its_way(run: RunRecord) -> Iterator[str]:
 _LOOKS = looks("junction", 60)
 _COVERS = covers("inside", 0.6)
 
+_OTHER_MAZE = """
++--+--+--+--+--+
+|           |  |
++  +--+--+  +  +
+|     |     |  |
++--+  +  +--+  +
+|  |  |        |
++  +  +--+--+  +
+|        |     |
++--+--+--+--+--+
+"""
+
 LOOK_BOTH_WAYS = Challenge(
     "look left, look right",
     "Drive to the wall ahead and stop before it. Look at least 60° to the left and to the right, then take"
-    " the way that is free, and touch nothing.",
+    " the longer of the two ways, and touch nothing.",
     (
-        _junction("left is free", 1, 0.5),
-        _junction("right is free", -1, 0.5),
-        _junction("right is free, after a longer corridor", -1, 0.9),
+        _junction("the left is longer", 1, 0.5, blocked=0.45, deep=0.75),
+        _junction("the right is longer", -1, 0.5, blocked=0.85, deep=1.3),
+        _junction("the right is longer, after a longer corridor", -1, 0.9, blocked=0.45, deep=0.75),
+        _junction("the left is longer, after a longer corridor", 1, 0.9, blocked=0.85, deep=1.3),
     ),
-    (_LOOKS, visits("free way"), touches_nothing()),
-    60,
+    (_LOOKS, visits("longer way"), touches_nothing(), avoids("shorter way")),
+    90,
     (_went_blindly,),
     noise={"motor": 0.02},
+    vary=moves("robot", x=0.08, y=0.02, degrees=2),
     starter=starter("look left, look right"),
 )
 
@@ -156,24 +159,22 @@ EDGE_GUARD = Challenge(
     "Drive about in the field with the black border until you have been in 60% of it, and never leave it.",
     ("arena",),
     (_COVERS, stays_in("inside")),
-    120,
+    240,
     (_crossed_or_repeated,),
     noise={"motor": 0.02},
     seeds=3,
+    vary=(moves("robot", x=0.3, y=0.2, degrees=180), shades(30)),
     starter=starter("edge guard"),
 )
 
 MAZE = Challenge(
     "maze",
     "Find the way to the goal, in the opposite corner, in three mazes.",
-    (
-        "maze",
-        _mirrored(load("maze"), "mirrored maze", y=True),
-        _mirrored(load("maze"), "turned maze", x=True, y=True),
-    ),
+    ("maze", mirrored(load("maze"), "mirrored maze", y=True), drawn_maze("another maze", _OTHER_MAZE)),
     (visits("goal"),),
-    150,
+    240,
     (_lost_its_way,),
     noise={"motor": 0.02},
+    vary=moves("robot", x=0.03, y=0.03, degrees=6),
     starter=starter("maze"),
 )
