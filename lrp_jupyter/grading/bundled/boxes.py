@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from lrp_jupyter.grading.bundled.common_hints import stopped_too_early
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import pushes
+from lrp_jupyter.grading.criteria import pushes, stops_once
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.variation import moves, shades
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, FloorSpec, PathStroke, RobotSpec, World
 
 _START = 0.5  # m
@@ -28,6 +30,7 @@ def _box_after(metres: float, goal: float) -> World:
 
 
 def _hints(run: RunRecord) -> Iterator[str]:
+    yield from stopped_too_early(run, "when the box is in the goal")
     x, y, _ = run.samples[-1].solids[0]
     goal = run.world.zones["goal"]
     assert isinstance(goal, CircleZone)
@@ -66,9 +69,11 @@ PUSH_THE_BOX = Challenge(
     "Push the box in front of you into the goal, and leave it there for two seconds. When the robot is on the"
     " black line, the box is in the goal.",
     (_box_after(0.3, 1.8), _box_after(0.6, 2.4), _box_after(0.9, 2.1)),
-    (pushes("box", "goal", 2),),
-    40,
+    (pushes("box", "goal", 2), stops_once()),
+    90,
     (_hints,),
     noise={"motor": 0.02},
+    seeds=2,
+    vary=(moves("box", x=0.1, y=0.01), moves("goal", "floor", x=0.15), shades(30)),
     starter=starter("push the box"),
 )
