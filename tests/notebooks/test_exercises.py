@@ -13,7 +13,6 @@ from stored import NOTEBOOKS, challenge_of, opened_program, paths, read, sources
 from support.tables import every
 
 from lrp_jupyter import Session, grade
-from lrp_jupyter.grading import challenges as known
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.grade import jobs_of
@@ -63,14 +62,6 @@ all_exercises = pytest.mark.parametrize(
 )
 
 
-@pytest.fixture(autouse=True)
-def _broken_robots(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Register the challenges of the six broken robots as their notebook does, for one test."""
-    monkeypatch.setattr(known, "_challenges", dict(known._challenges))
-    (cell,) = (source for source in sources(read(BROKEN), "code") if "register(" in source)
-    exec(cell, {})
-
-
 def test_every_lesson_has_an_exercise_and_so_has_every_project_but_the_own_idea():
     with_one = {exercise.notebook for exercise in EXERCISES}
     expected = [path for path in paths() if path.parent in (NOTEBOOKS, NOTEBOOKS / "projects")]
@@ -84,8 +75,7 @@ def test_every_exercise_has_a_solution_and_every_solution_its_exercise():
 
 @all_exercises
 def test_an_exercise_begins_as_its_challenge_does_or_does_not_pass_either(exercise: Exercise):
-    own = exercise.challenge.startswith("robot ") or exercise.challenge in OWN_BEGINNING
-    if own:
+    if exercise.challenge in OWN_BEGINNING:
         assert not attempt(jobs_of(exercise.text, exercise.challenge)[1][0]).passed
     else:  # which tests/grading/test_challenges.py tries
         assert exercise.text.strip() == challenge(exercise.challenge).starter.strip()

@@ -3,6 +3,7 @@
 from lrp_jupyter.grading.bundled.asking import EXACT_SQUARE, THREE_TABLES
 from lrp_jupyter.grading.bundled.beginning import FIRST_MOVE, HALF_THE_SPEED
 from lrp_jupyter.grading.bundled.boxes import PUSH_THE_BOX
+from lrp_jupyter.grading.bundled.broken import BROKEN_ROBOTS
 from lrp_jupyter.grading.bundled.bumping import BUMP_AND_STAY, BUMP_AND_TURN, BUMP_OUT, LAMP
 from lrp_jupyter.grading.bundled.editing import EDIT_IT_LIVE, SAFE_EDITS
 from lrp_jupyter.grading.bundled.exploring import EDGE_GUARD, LOOK_BOTH_WAYS, MAZE
@@ -40,6 +41,7 @@ BUNDLED = (
     BUMP_OUT,
     THERE_AND_BACK,
     DEBUG_THE_LISTING,
+    *BROKEN_ROBOTS,
     FOLLOW_THE_LINE,
     LAP,
     ROBUST_FOLLOWER,
