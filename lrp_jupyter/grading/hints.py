@@ -1,40 +1,58 @@
-"""Hints for a failed run: those of its challenge, and those that every challenge gives."""
+"""Hints for a failed run: those of its challenge, and those that every challenge gives.
+
+They come in the order of their certainty. What failed is certain; what the checks find in the text, too; then
+comes what was seen in the run, and last what often is the cause.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import pairwise
+from collections.abc import Callable, Iterator
 
+from lrp_jupyter.errors import Finding
 from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.general_hints import (
+    compares_exactly,
+    moved_once,
+    never_commanded,
+    never_drove,
+    no_command_at_the_end,
+    time_was_over,
+    turned_for_ever,
+)
 from lrp_jupyter.grading.run_record import RunRecord
-from lrp_jupyter.language.checks.uses import uses_of
-from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.live.predicted import finding_of
+
+_NEVER = frozenset({"LRP401", "LRP402", "LRP404", "LRP405", "LRP406", "LRP409"})
+"""The codes of the findings that name what a run never enters, spawns or follows."""
 
 
 def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
-    """Yield the hints for the mistakes that are found in a run, the most important first."""
+    """Yield the hints for the mistakes that are found in a run, the most certain first."""
     if task.exam:
         return
-    if not any(sample.active for sample in run.samples):
-        yield "Nothing was active. Write `(spawn machine state)` outside all machines to start one."
+    errors = _findings(run, lambda finding: finding.severity == "error")
     if run.issues:
         yield _issue(run)
-    yield from _findings(run, "error")[:1]  # that no run has met, such as a misspelt name in another state
-    if not run.commands and any(criterion.needs_motion for criterion in task.criteria):
-        yield (
-            "The robot never received a command. Put `robot.move(linear=0.2)` into the `running` of a state."
-        )
-    watchdog = [notice.text for notice in run.notices if notice.kind == "command watchdog"]
-    if watchdog:
-        yield from _moved_once(run)
+    yield from errors[:1]  # that no run has met, such as a misspelt name in another state
+    is_sound = not run.issues and not errors
+    if not any(sample.active for sample in run.samples):
+        if is_sound:
+            yield "Nothing was active. Write `(spawn machine state)` outside all machines to start one."
+        return
+    found = [*_findings(run, lambda finding: finding.code in _NEVER)[:1], *compares_exactly(run)]
+    if is_sound:
+        found += [*time_was_over(task, run), *turned_for_ever(run), *never_commanded(task, run)]
+    found += moved_once(run)
     for hint in task.hints:
-        found = hint(run)
-        yield from filter(None, [found] if isinstance(found, str) else found or ())
-    if run.commands and not any(any(sample.command) for sample in run.samples):
-        yield "The robot was never told to drive. `robot.move(linear=0.2)` drives on at 0.2 m/s."
-    yield from watchdog[:1]
-    yield from _findings(run, "warning")[:1]
+        text = hint(run)
+        found += filter(None, [text] if isinstance(text, str) else text or ())
+    if is_sound:
+        found += never_drove(run)
+        found += () if found else no_command_at_the_end(run)
+    yield from found
+    yield from _findings(run, lambda finding: finding.severity == "warning" and finding.code not in _NEVER)[
+        :1
+    ]
 
 
 def _issue(run: RunRecord) -> str:
@@ -43,33 +61,5 @@ def _issue(run: RunRecord) -> str:
     return f"Line {issue.line}: {(finding_of(issue, run.findings) or issue).message}"
 
 
-def _findings(run: RunRecord, severity: str) -> list[str]:
-    return [f"Line {each.line}: {each.message}" for each in run.findings if each.severity == severity]
-
-
-def _moved_once(run: RunRecord) -> Iterator[str]:
-    """Say that a command in `onentry` holds for half a second only, where that has stopped the robot."""
-    names = set(_states_that_move_once(run.programs[-1]))
-    for before, now in pairwise(run.samples):
-        if any(now.command) or not any(before.command):
-            continue
-        state = next((path[-1] for path in now.active if path in before.active and path[-1] in names), None)
-        if state is not None:
-            yield (
-                f"`{state}` moves the robot in `onentry`, which is done once, and a command holds for half a"
-                f" second: the robot stopped after {now.time:.1f} s. Put `move` into `running`, which is done"
-                " in every tick."
-            )
-            return
-
-
-def _states_that_move_once(program: Program) -> Iterator[str]:
-    for _, machine in program.walk():
-        for state in machine.states:
-            if _moves(state.onentry) and not _moves(state.running):
-                yield state.name
-
-
-def _moves(actions: tuple[object, ...]) -> bool:
-    blocks = (action for action in actions if isinstance(action, Block))
-    return any("move" in use.names for block in blocks for use in uses_of("robot", block.text))
+def _findings(run: RunRecord, are_meant: Callable[[Finding], bool]) -> list[str]:
+    return [f"Line {each.line}: {each.message}" for each in run.findings if are_meant(each)]

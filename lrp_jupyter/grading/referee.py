@@ -28,6 +28,7 @@ class Referee:
         self._decided: dict[Criterion, Verdict] = {}
         self._latest: dict[Criterion, Verdict] = {}
         self._met_since: float | None = None  # all criteria
+        self._done = 0.0  # the most so far of the shares of what has to be met once
 
     def see(self, bridge: SimBridge, interpreter: Interpreter, findings: tuple[Finding, ...] = ()) -> bool:
         """Record the tick that has just ended; return whether the run is decided. On the loop's thread.
@@ -48,7 +49,7 @@ class Referee:
         self.run.cut(time)
         self._decided.clear()
         self._latest.clear()
-        self._met_since = None
+        self._met_since, self._done = None, 0.0
 
     def _judge(self) -> bool:
         """Ask all criteria whose answer can still change; return whether the run is decided.
@@ -56,7 +57,7 @@ class Referee:
         It is when one is broken, or when all have been met for long enough; or when some are not met and the
         time is over, which all that is met may outlast.
         """
-        missing, broken = False, False
+        missing, broken, done = False, False, 0.0
         for criterion in (*self.task.criteria, *_RULES):
             verdict = self._decided.get(criterion)
             if verdict is None:
@@ -65,7 +66,11 @@ class Referee:
                     self._decided[criterion] = verdict
             missing = missing or not verdict.passed
             broken = broken or verdict.state == "failed"
+            done += verdict.share if criterion.when == "once" else 0.0
         now = self.run.seconds
+        if done > self._done + 1e-3:
+            self._done = done
+            self.run.steps.append(now)
         if broken or missing:
             self._met_since = None
             return broken or now >= self.task.seconds - 1e-6

@@ -84,6 +84,7 @@ class RunRecord:
     `notices`: what the robot's safety has done, such as stopping a robot that got no commands.
     `commands`: number of commands that the robot got.
     `findings`: what the checks find in the program.
+    `steps`: the times at which more of what is asked for was done than ever before.
     """
 
     world: World
@@ -95,6 +96,7 @@ class RunRecord:
     restarts: int = 0
     restart_reason: str = ""
     findings: tuple[Finding, ...] = ()
+    steps: list[float] = field(default_factory=list)
     _program: Program | None = None
     _folds: dict[Any, tuple[int, Any]] = field(default_factory=dict)  # up to which sample, and the result
 
@@ -133,6 +135,7 @@ class RunRecord:
         """Forget the samples from a time on: the run has gone back."""
         del self.samples[bisect_right(self.samples, time - 1e-9, key=lambda sample: sample.time) :]
         self._folds.clear()
+        self.steps = [each for each in self.steps if each < time - 1e-9]
         if not self.samples:
             self.programs.clear()
             self._program = None

@@ -1,6 +1,7 @@
 """Hints say what is true of a run."""
 
 import pytest
+from support.tables import every
 
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenge import Challenge
@@ -91,6 +92,111 @@ def test_a_program_that_needs_no_robot_is_not_told_to_move_one():
     result = grade("(machine m (state awake) (state asleep)) (spawn m awake)", task)
     assert not result.passed
     assert "never received a command" not in "\n".join(result.hints)
+
+
+def rover(transitions, turning="", driving="robot.move(linear=0.2)"):
+    """Return a program with three states, and transitions."""
+    return f"""(machine rover
+        (event bump [robot.bumper.data == 1])
+        (state driving (running [{driving}]))
+        (state backing (running [robot.move(linear=-0.2)]))
+        (state turning {turning or "(running [robot.move(angular=1)])"})
+        {transitions})
+        (spawn rover driving)"""
+
+
+BACKS = "(on bump driving -> backing) (ontime 1000 backing -> turning)"
+WAITS = (
+    "(machine m (state waiting {}) (state driving (running [robot.move(linear=0.2)])) {}) (spawn m waiting)"
+)
+SLOW = SQUARE.replace("0.2", "0.05").replace("3000", "12000")
+FIRST_HINTS = {
+    (
+        "bump and turn",
+        rover(BACKS),
+    ): "began to turn on the spot after 6.4 s and never stopped: no transition leads out of `turning`. Which",
+    (
+        "bump and turn",
+        rover(f"{BACKS} (on [robot.gyro.data > 99] turning -> driving)"),
+    ): "never stopped. What does the transition that leads out of `turning` wait for?",
+    (
+        "bump and turn",
+        rover(f"{BACKS} (on [robot.gyro.data == 3.14] turning -> driving)"),
+    ): "Line 6: `robot.gyro.data == 3.14` asks for exactly 3.14, and a value that is measured",
+    (
+        "bump and turn",
+        rover("(on bump driving -> backing)"),
+    ): "`rover` never enters `turning`. Add a transition",
+    (
+        "bump and stay",
+        WAITS.format("", "(on bump waiting -> driving) (event bump [robot.bumper.data == 1])"),
+    ): "only `driving` commands it, and the run never entered that state. Which transition leads there",
+    (
+        "bump and stay",
+        WAITS.format("(running [if robot.bumper.data == 1: robot.move(linear=0.1)])", ""),
+    ): "`m` never enters `driving`",
+    (
+        "bump and stay",
+        "(machine m (state waiting (running [if robot.bumper.data: robot.move(linear=1)]))) (spawn m waiting)",
+    ): "although `waiting` was entered: its block did not come to the command.",
+    (
+        "bump and stay",
+        "(machine m (state a)) (spawn m a)",
+    ): "Put `robot.move(linear=0.2)` into the `running` of",
+    (
+        "square",
+        SLOW,
+    ): "The time was over after 40 s, and the robot was still on its way: it came to `third corner`",
+    ("square", "(machine m (state a)) (spawn mm a)"): "There is no machine `mm`",
+    ("square", "(machine m (state a))"): "Nothing was active. Write `(spawn machine state)`",
+}
+
+
+@every(("case", "words"), FIRST_HINTS.items())
+def test_the_most_certain_hint_comes_first(case, words):
+    challenge, text = case
+    assert words in attempt(jobs_of(text, challenge)[1][0]).hint
+
+
+def test_a_state_that_is_meant_to_stand_is_not_told_to_move():
+    as_told = rover(f"{BACKS} (on bump turning -> driving)", turning=" ")
+    assert "Put `move`" not in hints(rover("(on bump driving -> turning)", turning=" "), "bump and turn")
+    assert "`running`" not in hints(as_told, "bump and turn")
+    text = (
+        "(machine m (state a (running [robot.move(linear=0.2)])) (state b) (ontime 500 a -> b)) (spawn m a)"
+    )
+    task = Challenge("way", "Drive 2 m.", "empty", drives(2), 5)
+    (hint,) = grade(text, task).hints
+    assert hint == (
+        "The robot got no more commands in `b`, and a command holds for half a second: it stopped after 1.1 s."
+        " If it has to drive there, put `robot.move` into `running`."
+    )
+
+
+NOT_ON_ITS_WAY = {
+    "stopped": SLOW.replace("corners == 4", "corners == 2"),
+    "went to and fro": SLOW.replace("angular=1", "angular=2"),
+    "was driving on the spot": SLOW.replace(
+        "angular=1", "angular=1) if corners != 2 else robot.move(angular=9"
+    ),
+}
+
+
+@every("text", NOT_ON_ITS_WAY.values())
+def test_the_time_is_not_blamed_where_a_robot_would_not_have_come_to_the_end(text):
+    assert "The time was over" not in hints(text, "square")
+
+
+def test_turning_errands_and_looking_around_are_no_endless_turns():
+    text = """(machine m (state a (onentry [robot.turn_by(50)])) (state b (running [robot.move(linear=0.1)]))
+        (on [robot.turn_by.succeeded] a -> b)) (spawn m a)"""
+    assert "never stopped" not in hints(text, "square")
+
+
+def test_an_issue_silences_what_would_be_said_of_a_program_that_runs():
+    found = hints(WAITS.format("(running [sped])", ""), "bump and stay")
+    assert found.startswith("Line 1: `sped`")
+    assert "never received" not in found
 
 
 def test_what_was_not_decided_when_a_run_was_cut_short_is_not_called_failed():
