@@ -137,7 +137,7 @@ FIRST_HINTS = {
     ): "`m` never enters `driving`",
     (
         "bump and stay",
-        "(machine m (state waiting (running [if robot.bumper.data: robot.move(linear=1)]))) (spawn m waiting)",
+        "(machine m (state waiting (running [if robot.bumper.data: robot.move()]))) (spawn m waiting)",
     ): "although `waiting` was entered: its block did not come to the command.",
     (
         "bump and stay",
@@ -168,17 +168,15 @@ def test_a_state_that_is_meant_to_stand_is_not_told_to_move():
     task = Challenge("way", "Drive 2 m.", "empty", drives(2), 5)
     (hint,) = grade(text, task).hints
     assert hint == (
-        "The robot got no more commands in `b`, and a command holds for half a second: it stopped after 1.1 s."
-        " If it has to drive there, put `robot.move` into `running`."
+        "The robot got no more commands in `b`, and a command holds for half a second: it stopped after 1.0"
+        " s. If it has to drive there, put `robot.move` into `running`."
     )
 
 
 NOT_ON_ITS_WAY = {
     "stopped": SLOW.replace("corners == 4", "corners == 2"),
     "went to and fro": SLOW.replace("angular=1", "angular=2"),
-    "was driving on the spot": SLOW.replace(
-        "angular=1", "angular=1) if corners != 2 else robot.move(angular=9"
-    ),
+    "went on": SQUARE.replace("(onexit [corners += 1])", ""),
 }
 
 
