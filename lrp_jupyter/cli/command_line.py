@@ -610,6 +610,12 @@ def grade(
             help="What was given out: marks say who has changed nothing; default: the challenge's beginning.",
         ),
     ] = None,
+    sandbox: Annotated[
+        bool,
+        Option(
+            "--sandbox", help="Run programs without files and network (Linux, with bubblewrap installed)."
+        ),
+    ] = False,
     limit: Limit = 60,
     memory: Memory = 1000,
     jobs: Processes = None,
@@ -632,7 +638,7 @@ def grade(
     from lrp_jupyter.cli.batches import MarksFiles, grade_files
     from lrp_jupyter.grading.workers import HowRun
 
-    how = HowRun(limit, memory, jobs, scheduler)
+    how = HowRun(limit, memory, jobs, scheduler, sandbox=sandbox)
     where = MarksFiles(out or [], table, feedback, gradebook, column, separator)
     raise typer.Exit(grade_files(files, challenge, seeds, where, how, given))
 

@@ -6,7 +6,7 @@ until this process ends. A Dask cluster makes the same runs in the same way, eac
 browser, where there are no processes, runs are made in this one.
 
 This protects the grader from mistakes, but not a computer from malice: grade programs of people whom you do
-not trust in a container.
+not trust in a sandbox (:mod:`~lrp_jupyter.grading.sandbox`) or a container.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from lrp_jupyter.arguments import check_number
 from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
+from lrp_jupyter.grading.sandbox import check_sandbox, in_sandbox
 from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Ending, Request, patience
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
@@ -51,6 +52,7 @@ class HowRun(NamedTuple):
     `processes`: how many runs at a time; default: one for each processor.
     `scheduler`: the address of a Dask scheduler whose workers make the runs, or ``"local"``.
     `namespace`: names that blocks can read.
+    `sandbox`: whether they are made in a sandbox, without files and network.
     """
 
     limit: float = 60
@@ -58,13 +60,23 @@ class HowRun(NamedTuple):
     processes: int | None = None
     scheduler: str | None = None
     namespace: dict[str, Any] | None = None
+    sandbox: bool = False
 
     def check(self) -> None:
-        """Raise a TypeError or ValueError if a number is not one, or too small."""
+        """Raise a TypeError or ValueError if a number is not one, or too small.
+
+        Raises LRPError: there is no sandbox where the runs are made.
+        """
         check_number("limit", self.limit, "a number of seconds", above=0)
         check_number("memory", self.memory, "a number of megabytes", above=0)
         if self.processes is not None:
             check_number("processes", self.processes, "a number of processes", least=1)
+        if self.sandbox:
+            check_sandbox()
+            if self.scheduler is not None:
+                raise LRPError(
+                    "A sandbox is for runs on this machine. Leave out the sandbox or the scheduler."
+                )
 
 
 def run_jobs(
@@ -90,7 +102,7 @@ def run_jobs(
         yield from batch.made_here()
         return
     size = how.processes or processors()
-    crew = _Processors(size) if how.scheduler is None else Cluster(how.scheduler, answer, size)
+    crew = _Processors(size, how.sandbox) if how.scheduler is None else Cluster(how.scheduler, answer, size)
     with closing(crew):
         yield from batch.made_by(crew)
 
@@ -189,8 +201,8 @@ class _Processors:
 
     patience = 0.1
 
-    def __init__(self, size: int) -> None:
-        self.size = size
+    def __init__(self, size: int, sandbox: bool = False) -> None:
+        self.size, self._sandbox = size, sandbox
         self._pool = ThreadPoolExecutor(size, "lrp grading")
         self._busy: set[_Worker] = set()
         self._is_closed = False
@@ -203,10 +215,11 @@ class _Processors:
 
         Raises LRPError: a worker cannot be started.
         """
+        idle = _sandboxed if self._sandbox else _idle
         try:
-            worker = _idle.pop()
+            worker = idle.pop()
         except IndexError:
-            worker = _Worker()
+            worker = _Worker(self._sandbox)
         self._busy.add(worker)
         try:
             return LOST if self._is_closed else worker.ask(request)
@@ -215,7 +228,7 @@ class _Processors:
             if worker.is_spent:
                 worker.close()
             else:
-                _idle.append(worker)
+                idle.append(worker)
 
     def result(self, future: Future[Ending]) -> Ending:
         return future.result()
@@ -236,12 +249,14 @@ def answer(request: Request) -> Ending:
 
 
 _idle: list[_Worker] = []
+_sandboxed: list[_Worker] = []  # idle, too
 
 
 def close_workers() -> None:
     """End the workers that are idle; the next run starts a new one."""
-    while _idle:
-        _idle.pop().close()
+    for idle in (_idle, _sandboxed):
+        while idle:
+            idle.pop().close()
 
 
 atexit.register(close_workers)
@@ -260,10 +275,12 @@ class _Worker:
     Raises LRPError: it cannot be started.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, sandbox: bool = False) -> None:
         self._mark = secrets.token_hex(8)
         started = python_of("lrp_jupyter.grading.worker")
         started["env"] |= {_MARK: self._mark, "PYTHONHASHSEED": "0"}  # every run orders a set of texts alike
+        if sandbox:
+            started = in_sandbox(started)
         try:
             self.process = subprocess.Popen(
                 **started,
