@@ -33,8 +33,8 @@ def asked(words: str) -> dict[str, str]:
         ("lrp grade follower --challenge follow", {"follow the line"}),
         ("lrp grade follower --challenge ", {each.name for each in BUNDLED}),
         (
-            "lrp grade follower --challenge ex",
-            {each.name for each in BUNDLED + EXERCISES if "ex" in each.name[:2]},
+            "lrp grade follower --challenge exe",
+            {each.name for each in EXERCISES if each.name.startswith("exe")},
         ),
         ("lrp programs --show esc", {"escapement"}),
         ("lrp worlds --json ma", {"maze"}),

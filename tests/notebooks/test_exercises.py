@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -53,12 +53,22 @@ def _exercises() -> Iterator[Exercise]:
 
 
 EXERCISES = list(_exercises())
-all_exercises = pytest.mark.parametrize(
-    "exercise",
-    [
-        pytest.param(each, marks=pytest.mark.slow if each.challenge in LONG else (), id=each.solution.stem)
-        for each in EXERCISES
-    ],
+
+
+def _exercises_with(is_slow: Callable[[Exercise], bool]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize(
+        "exercise",
+        [
+            pytest.param(each, marks=pytest.mark.slow if is_slow(each) else (), id=each.solution.stem)
+            for each in EXERCISES
+        ],
+    )
+
+
+all_exercises = _exercises_with(lambda each: each.challenge in LONG)
+all_but_most_of_a_series = _exercises_with(
+    lambda each: each.challenge in LONG
+    or (each.notebook.parent.name == "exercises" and not each.challenge.endswith((".1", "bug 1")))
 )
 
 
@@ -87,7 +97,7 @@ def test_the_bracket_that_closes_a_machine_has_a_line_of_its_own(exercise: Exerc
         assert "\n)\n" in f"{machine}\n"
 
 
-@all_exercises
+@all_but_most_of_a_series
 def test_the_solution_passes_in_a_world(exercise: Exercise):
     _, jobs = jobs_of(exercise.solution.read_text(encoding="utf-8"), exercise.challenge)
     made = attempt(jobs[EXERCISES.index(exercise) % len(jobs)])

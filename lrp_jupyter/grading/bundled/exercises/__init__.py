@@ -1,7 +1,25 @@
 """The exercises of the lessons, and the series of bugs: for homework, and for those who are done early."""
 
-from lrp_jupyter.grading.bundled.exercises import states_and_events
+from lrp_jupyter.grading.bundled.exercises import (
+    first_edits,
+    from_everywhere,
+    line_follower,
+    machines_inside_states,
+    states_and_events,
+    time_is_a_condition,
+    what_a_state_does,
+    what_the_robot_sees,
+)
 
 __all__ = ["EXERCISES"]
 
-EXERCISES = (*states_and_events.EXERCISES,)
+EXERCISES = (
+    *first_edits.EXERCISES,
+    *states_and_events.EXERCISES,
+    *what_a_state_does.EXERCISES,
+    *time_is_a_condition.EXERCISES,
+    *what_the_robot_sees.EXERCISES,
+    *machines_inside_states.EXERCISES,
+    *from_everywhere.EXERCISES,
+    *line_follower.EXERCISES,
+)

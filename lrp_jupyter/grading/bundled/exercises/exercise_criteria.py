@@ -6,6 +6,8 @@ import math
 from typing import Literal
 
 from lrp_jupyter.grading.criteria import Criterion, Found
+from lrp_jupyter.grading.criteria.order import longest
+from lrp_jupyter.grading.criteria.places import zone_of
 from lrp_jupyter.grading.run_record import RunRecord, Sample, angle_between
 
 
@@ -24,3 +26,18 @@ def turns_to(side: Literal["left", "right"], degrees: float, after: str = "") ->
 
     there = f" after touching the {after}" if after else ""
     return Criterion(f"turns at least {degrees:g}° to the {side}{there}", judge, "once")
+
+
+def rests_in(zone: str, seconds: float) -> Criterion:
+    """Require that the robot stands still in a zone for this time, and may then go on."""
+
+    def judge(run: RunRecord) -> Found:
+        region = zone_of(run.world, zone)
+        stood = longest(
+            run,
+            lambda now, before: not now.moved(before) and region.contains(now.x, now.y),
+            ("rests in", zone),
+        )
+        return Found((stood + 0.15) / seconds, f"it stood there for {stood:.1f} s")
+
+    return Criterion(f"stands still in `{zone}` for {seconds:g} s", judge, "once")
