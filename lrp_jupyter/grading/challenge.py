@@ -103,7 +103,7 @@ class Challenge:
     starter: str = ""
     needed: float = 1.0
     live: float = 0.0
-    vary: tuple[Variation, ...] = ()
+    vary: Variation | tuple[Variation, ...] = ()
     hold: float = 4.0
     hidden: tuple[str | Path | World, ...] = ()
     exam: bool = False
@@ -153,7 +153,7 @@ class Challenge:
         """The world of each run, in which things are where its seed puts them, and the seed."""
         seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds
         worlds = map(load_world, self.worlds)
-        return tuple((varied(world, self.vary, seed), seed) for world in worlds for seed in seeds)
+        return tuple((varied(world, _several(self.vary, Variation), seed), seed) for world in worlds for seed in seeds)
 
     @property
     def count(self) -> int:
