@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 from difflib import unified_diff
 
-from . import inside, outside  # noqa: F401  (register their kinds)
+from . import inside, numbers, outside  # noqa: F401  (register their kinds)
 from .measure import new_findings, score, shares
 from .planting import KINDS, PER_KIND, Mistake, plant
 

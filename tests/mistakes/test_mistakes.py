@@ -6,7 +6,7 @@ import pytest
 
 from lrp_jupyter.language.reading.tokens import KEYWORDS
 
-from . import inside, outside  # noqa: F401  (register their kinds)
+from . import inside, numbers, outside  # noqa: F401  (register their kinds)
 from .measure import new_findings, score, shares
 from .planting import PER_KIND, corpus
 from .sources import sources
@@ -32,9 +32,9 @@ def test_the_programs_have_every_form_of_the_language():
 @pytest.mark.parametrize(
     ("count", "seed", "least"),
     [
-        (FEWER, 0, (99.5, 99, 99, 91.5)),
-        pytest.param(PER_KIND, 0, (99.5, 99, 99, 91.5), marks=pytest.mark.slow),
-        pytest.param(PER_KIND, 1, (99.5, 99, 99, 91.5), marks=pytest.mark.slow),
+        (FEWER, 0, (99.5, 99, 99, 89.5)),
+        pytest.param(PER_KIND, 0, (99.5, 99, 99, 89.5), marks=pytest.mark.slow),
+        pytest.param(PER_KIND, 1, (99.5, 99, 99, 89.5), marks=pytest.mark.slow),
     ],
 )
 def test_mistakes_are_explained(count: int, seed: int, least: tuple[float, ...]):

@@ -22,7 +22,7 @@ _VELOCITY = frozenset({"linear", "angular"})
 _NUMBER = re.compile(r"\s*([+-]?\d+(?:[.,]\d+)?)\s*")
 _TRUTHS = {"True": "True", "true": "True", "False": "False", "false": "False"}
 _ORDER = ast.Lt | ast.LtE | ast.Gt | ast.GtE
-_ARITHMETIC = ast.Sub | ast.Div | ast.Pow | ast.FloorDiv | ast.Mult
+_ARITHMETIC = ast.Sub | ast.Div | ast.Pow | ast.FloorDiv
 
 
 def check_number_uses(report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
@@ -131,7 +131,7 @@ def _is_numeric(
     if isinstance(parent, ast.BinOp):
         other = parent.right if parent.left is name else parent.left
         is_number = number_of(other) is not None or _is_reading(other)
-        return is_number and isinstance(parent.op, _ARITHMETIC | ast.Add)
+        return isinstance(parent.op, _ARITHMETIC) or (is_number and isinstance(parent.op, ast.Add | ast.Mult))
     if isinstance(parent, ast.Compare) and len(parent.ops) == 1:
         other = parent.comparators[0] if parent.left is name else parent.left
         is_number = number_of(other) is not None or _is_reading(other)

@@ -109,6 +109,7 @@ RULES = (
     _rule(order.name_last, "", "var event"),
     _rule(order.several_variables, "", "var"),
     _rule(order.several_words, "NAME", "var event state machine"),
+    _rule(order.phrases, "", f"state machine spawn {_TRANSITIONS}"),
     _rule(order.action, "BLOCK", "state"),
     _rule(words.commas, "STRAY", is_later=True),
     _rule(words.strays, "STRAY"),
@@ -243,7 +244,7 @@ def _errors(text: str, guesses: list[Correction]) -> list[Diagnosis]:
         edits = guess.edits if guess.is_certain else ()
         key = text[guess.start : guess.end] if guess.code == "LRP110" else guess[:3]
         if key in found:
-            found[key] = found[key]._replace(edits=found[key].edits + edits)
+            found[key] = found[key]._replace(edits=tuple(dict.fromkeys(found[key].edits + edits)))
         else:
             found[key] = Diagnosis(guess.start, guess.end, guess.code, guess.message, edits, guess.is_prefix)
     return list(found.values())

@@ -61,6 +61,13 @@ def delays(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         return
     item, *rest = form.items[at:]
     word, end = draft.word(item), item.end
+    comma, decimals = (*rest, item, item)[:2]
+    if (
+        draft.text[end : decimals.start] == ","
+        and comma.kind == "STRAY"
+        and decimals.kind in ("INTEGER", "AMOUNT")
+    ):
+        word, end, rest = f"{word}.{draft.word(decimals)}", decimals.end, rest[2:]
     amount = AMOUNT.fullmatch(word)
     if item.kind == "QUOTED" and word[1:-1].strip().isdecimal():
         meant = word[1:-1].strip()

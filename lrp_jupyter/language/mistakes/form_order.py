@@ -11,6 +11,7 @@ from lrp_jupyter.language.mistakes.text_draft import (
     Correction,
     Corrections,
     DraftForm,
+    Item,
     Piece,
     TextDraft,
     as_if,
@@ -172,6 +173,24 @@ def several_words(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
         parts = [Piece("NAME", start, end), *form.items[count:]]
         message = f"A name is one word. Write `{name}`."
         yield Correction("LRP110", message, start, end, (Edit(start, end, name),), parts)
+
+
+def phrases(draft: TextDraft, form: DraftForm, at: int) -> Corrections:
+    """Names of states and machines that are two words, where they are defined and where they are used."""
+    for words, elsewhere in draft.phrases.items():
+        items = list(form.items)
+        found: list[list[Item]] = []
+        for first in reversed(range(len(items) - len(words) + 1)):
+            piece = items[first : first + len(words)]
+            if tuple(map(draft.word, piece)) == words and {item.kind for item in piece} == {"NAME"}:
+                found.insert(0, piece)
+                items[first : first + len(words)] = [Piece("NAME", piece[0].start, piece[-1].end)]
+        if found:
+            name = "_".join(words)
+            here = [Edit(piece[0].start, piece[-1].end, name) for piece in found]
+            edits = dict.fromkeys([*here, *(elsewhere if form.keyword in ("state", "machine") else ())])
+            message = f"A name is one word. Write `{name}`."
+            yield Correction("LRP110", message, here[0].start, here[0].end, tuple(edits), items)
 
 
 def action(draft: TextDraft, form: DraftForm, at: int) -> Corrections:

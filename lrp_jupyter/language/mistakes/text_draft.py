@@ -24,6 +24,9 @@ _WORD = re.compile(r"[^\W\d]\w*")
 _DEFINED = re.compile(rf"\(\s*(?:{'|'.join(sorted(NAMED))})\s+([^\s()\[\]]+)")
 _WHOLE = re.compile(r"[\s()\[\]{}:;=#]|\Z")
 """What may stand after a name; another character is part of the word."""
+_LONGEST = 6
+"""Words of a name, and one more."""
+_MOST_PHRASES = 20
 _ARROW = re.compile(f"[{ARROWS}]+")
 SIGNS = frozenset({"SIGN", "ASSIGN", "ARROW", "MINUS"})
 _AS_IF = {"INVALID": "BLOCK", "UNCLOSED": "BLOCK", "UNOPENED": "BLOCK", "WORD": "NAME", "AMOUNT": "INTEGER"}
@@ -132,6 +135,28 @@ class TextDraft:
         self.hyphened = {word.replace("-", "_") for word in _HYPHENED.findall(text)}
         self.quotes = 0
         """Blocks so far in which a quote is missing."""
+
+    @cached_property
+    def phrases(self) -> dict[tuple[str, ...], list[Edit]]:
+        """The names of several words of states and machines that contain forms.
+
+        With the edits that join them everywhere: some places can be read as two names.
+        """
+        found: dict[tuple[str, ...], list[Edit]] = {}
+        kinds = [token[0] for token in self.tokens]
+        for at, token in enumerate(self.tokens):
+            if token[0] == "OPEN" and keyword_of(self.text, token) in ("state", "machine"):
+                end = next((end for end in range(at + 1, len(kinds)) if kinds[end] != "NAME"), at)
+                if 2 < end - at < _LONGEST and kinds[end] == "OPEN" and len(found) < _MOST_PHRASES:
+                    found[tuple(map(self.word, self.tokens[at + 1 : end]))] = []
+        lengths = set(map(len, found))
+        for at in range(len(self.tokens) if found else 0):
+            for length in lengths:
+                piece = self.tokens[at : at + length]
+                words = tuple(map(self.word, piece))
+                if words in found and {token[0] for token in piece} == {"NAME"}:
+                    found[words].append(Edit(piece[0][1], piece[-1][2], "_".join(words)))
+        return found
 
     @property
     def events(self) -> set[str]:
