@@ -106,7 +106,7 @@ def grade_files(
     is_exam = task is not None and task.exam
     where.check()
     submissions = _submissions(files, task, given, where.named)
-    alone = len(files) == 1 and not _is_class(files[0])
+    alone = len(files) == len({each.entry for each in submissions}) == 1 and not _is_class(files[0])
     if alone and submissions[0].text is None:
         raise FileError(submissions[0].problem)
     if alone:

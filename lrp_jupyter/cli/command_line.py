@@ -541,6 +541,9 @@ cannot be read costs only its own mark, and is not run again. The worlds that a 
 count here. The column `code` is the hand-in code that the lab of an exam shows. The marks are the same in
 every grading: a set of texts has the order of `PYTHONHASHSEED=0`.
 
+**Links**: a text file with a link of the site in each line, each after the name of its student, is a class,
+too. The program is in the link: nothing is loaded from it.
+
 **Several challenges**: without `--challenge`, each program is graded in the one that its cell or its
 heading names (`; challenge: square`), and the table has a column for each.
 

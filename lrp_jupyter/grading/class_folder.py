@@ -16,11 +16,12 @@ from pathlib import Path, PurePosixPath
 from typing import IO, NamedTuple
 
 from lrp_jupyter.errors import FileError, ended, printable
-from lrp_jupyter.files import open_regular, shown, unreadable, whole
+from lrp_jupyter.files import guessed, open_regular, shown, unreadable, whole
+from lrp_jupyter.grading.handing_in import names_in
 
 PROGRAMS = (".lrp", ".ipynb")
 """What programs are saved as."""
-_TEXTS = (".txt", ".text", ".json", "")  # as which browsers and editors save them, too
+_TEXTS = (".txt", ".text", ".json", ".url", "")  # as which browsers and editors save them, or a link
 _MOODLE = re.compile(r"(?s)(.+?)_(\d+)_assign(?:submission|feedback)_[a-z]+(?:_.*)?")
 _CANVAS = re.compile(r"(?s)([^_]+)_(?:LATE_)?(\d+)_\d+_.+")
 _ADDED = ("__MACOSX", "__pycache__", "Thumbs.db", "desktop.ini")
@@ -85,7 +86,7 @@ class Entry(NamedTuple):
 
 
 def entries_in(path: Path, apart_from: Collection[Path] = ()) -> list[Entry]:
-    """Return the entries of a class: in a folder or a zip file, or a file that is one.
+    """Return the entries of a class: in a folder, a zip file or a list of links, or a file that is one.
 
     `apart_from`: files and folders that are none, such as those that the marks are written to.
     Raises FileError: the path does not exist, or the folder cannot be read.
@@ -97,7 +98,7 @@ def entries_in(path: Path, apart_from: Collection[Path] = ()) -> list[Entry]:
     elif path.suffix.lower() == ".zip":
         found = _without_wrapper(list(_in_zip(partial(open_regular, path), (), shown(path), 1)))
     else:
-        found = [_on_disk(path, (path.name,))]
+        found = _in_list(path) or [_on_disk(path, (path.name,))]
     grouped: dict[tuple[str, ...], list[HandedIn]] = {}
     for file in sorted(found, key=lambda each: each.parts):
         name, number, _ = _student_in(file.parts[0])
@@ -180,6 +181,27 @@ def _in_folder(folder: Path, apart_from: frozenset[Path]) -> Iterator[HandedIn]:
                 yield from _in_zip(partial(open_regular, path), below, _shown(path), 1)
             else:
                 yield _on_disk(path, below)
+
+
+def _in_list(path: Path) -> list[HandedIn]:
+    """Return the lines of a list of links, each as a file of its student; none if the file is no such list."""
+    if path.suffix.lower() not in _TEXTS:
+        return []
+    try:
+        text, _ = guessed(_on_disk(path, (path.name,)).contents(), shown(path))
+    except FileError:
+        return []
+    found = []
+    listed = zip(text.splitlines(), names_in(text), strict=False)
+    for number, (line, (name, has_link)) in enumerate(listed, 1):
+        parts = (printable(name)[:60] or f"line {number}", f"{number}.url")
+        place = f"{_shown(path)}, line {number}"
+        problem = (
+            "" if has_link else f"Line {number} of `{shown(path.name)}` has no link that contains a program."
+        )
+        if line.strip():
+            found.append(HandedIn(parts, place, partial(bytes, line, "utf-8"), problem))
+    return found
 
 
 def _kind(path: Path) -> str:

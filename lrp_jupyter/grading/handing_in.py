@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import NamedTuple
 from urllib.parse import parse_qs, unquote
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import FileError
 
 _LINK = re.compile(
     r"https?://[^\s?#<>\"']*(?:\?(?P<query>(?:(?!https?://)[^\s#<>\"'])*))?#text=(?P<packed>[\w-]+)"
@@ -49,9 +49,29 @@ class Linked(NamedTuple):
 def programs_in(text: str) -> list[Linked]:
     """Return the programs in the links of a text, such as a mail, a list or an Internet shortcut.
 
-    Raises LRPError: a link is damaged.
+    Raises FileError: a link is damaged.
     """
     return [_linked(line, found) for line in map(_plain, text.splitlines()) for found in _LINK.finditer(line)]
+
+
+def names_in(text: str) -> list[tuple[str, bool]]:
+    """Return, for each line of a list of links, what stands before its link, and whether there is one.
+
+    A line without a link is returned as it is. A text with less than two links is no list, and has none.
+    """
+    lines = [line.strip() for line in text.splitlines()]
+    found = [_LINK.search(_plain(line)) for line in lines]
+    if sum(each is not None for each in found) < 2:
+        return []
+    return [
+        (line, False) if link is None else (_before(_plain(line), link), True)
+        for line, link in zip(lines, found, strict=True)
+    ]
+
+
+def _before(line: str, found: re.Match[str]) -> str:
+    """Return what stands before a link, without what programs put around it."""
+    return re.split("https?://|URL=|<[^<>]*$", line[: found.start()])[0].strip(" \t,;:\"'|-")
 
 
 def _plain(line: str) -> str:
@@ -60,16 +80,16 @@ def _plain(line: str) -> str:
 
 
 def _linked(line: str, found: re.Match[str]) -> Linked:
-    before = re.split("https?://|URL=", line[: found.start()])[0].strip(" \t,;:<>\"'|-")
+    before = _before(line, found)
     try:
         packed = urlsafe_b64decode(found["packed"] + "=" * (-len(found["packed"]) % 4))
         inflate = zlib.decompressobj(wbits=-15)
         text = inflate.decompress(packed, _LONGEST).decode()
-        if not inflate.eof:
-            raise ValueError("the end is missing, or it is too long")
+        if not inflate.eof or inflate.unused_data:
+            raise ValueError("It is cut off or has more than a program, or is too long.")
     except (ValueError, zlib.error) as error:
         whose = f" of `{before}`" if before else ""
-        raise LRPError(
+        raise FileError(
             f"The link{whose} is damaged, so the program in it cannot be read. Ask for it again, copied as a"
             " whole."
         ) from error

@@ -18,6 +18,7 @@ from lrp_jupyter.errors import FileError, LRPError, did_you_mean
 from lrp_jupyter.files import guessed, shown
 from lrp_jupyter.grading.challenges import Challenge, challenges
 from lrp_jupyter.grading.class_folder import Entry, HandedIn, entries_in
+from lrp_jupyter.grading.handing_in import programs_in
 from lrp_jupyter.programs import heading
 
 _CELL = re.compile(r"\s*%%lrp\b(.*)")
@@ -266,6 +267,8 @@ def _read(handed_in: HandedIn) -> _File:
         file = _File(place, name, handed_in.stem, cells, labs, True, blank, notes)
     elif not text.strip():
         raise FileError(f"`{name}` is empty. Open the program in the lab, save it again, and hand in that.")
+    elif linked := _linked(handed_in, text):
+        file = _File(place, name, handed_in.stem, linked, notes=notes)
     else:
         file = _File(
             place, name, handed_in.stem, (_Program(heading(text).challenge or "", text),), notes=notes
@@ -273,6 +276,20 @@ def _read(handed_in: HandedIn) -> _File:
     if any(len(each.text) > _LONGEST for each in (*file.cells, *file.labs)):
         raise FileError(f"`{name}` has more than {_LONGEST:,} characters. Let it be shorter.")
     return file
+
+
+def _linked(handed_in: HandedIn, text: str) -> tuple[_Program, ...]:
+    """Return the programs in the links of a file.
+
+    Raises FileError: a link is damaged, or the links are those of several students.
+    """
+    links = [] if handed_in.suffix == ".lrp" else programs_in(text)
+    if len({each.challenge for each in links}) < len({each.before for each in links}) == len(links):
+        raise FileError(
+            f"`{handed_in.name}` has the links of several students. Mark it alone, not in a folder with"
+            " others."
+        )
+    return tuple(_Program(each.challenge or heading(each.text).challenge or "", each.text) for each in links)
 
 
 def _text_for(file: _File, task: Challenge) -> str:
