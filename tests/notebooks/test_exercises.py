@@ -124,11 +124,24 @@ def test_the_students_notebook_does_not_hold_the_solution(exercise: Exercise):
 # -- what the notebooks say about them ---------------------------------------------------------------
 
 
+def _sees_the_line_at(speed: float) -> bool:
+    text = (SOLUTIONS / "stop-at-the-line.lrp").read_text(encoding="utf-8")
+    _, jobs = jobs_of(text.replace("linear=0.2", f"linear={speed:g}"), "stop at the line")
+    return all(attempt(job).passed for job in jobs)
+
+
 def test_a_robot_that_is_faster_than_the_rule_allows_does_not_see_the_line():
-    slow = (SOLUTIONS / "stop-at-the-line.lrp").read_text(encoding="utf-8")
     said = prose(read(NOTEBOOKS / "04-what-the-robot-sees.ipynb"))
     assert "at 0.45 m/s and ten ticks per second it moves 4.5 cm" in said
-    assert not grade(slow.replace("linear=0.2", "linear=0.45"), "stop at the line")
+    assert "The line is 3 cm wide" in said
+    assert _sees_the_line_at(0.3)
+    assert not _sees_the_line_at(0.4)
+
+
+@pytest.mark.slow
+@every("speed", [each / 100 for each in range(20, 51, 2)])
+def test_the_rule_on_speed_holds_at_every_speed(speed):
+    assert _sees_the_line_at(speed) == (speed <= 0.3)
 
 
 def test_a_lap_needs_the_faster_drive_and_the_faster_search_that_its_plan_names():
