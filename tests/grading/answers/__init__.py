@@ -39,6 +39,14 @@ class Answer(NamedTuple):
         """A name for the test."""
         return f"{self.challenge}: {self.about or self.kind}"
 
+    def check_hint(self, hints: tuple[str, ...]) -> None:
+        """Assert that the first hint has its words, or the first that the checks did not know before the run."""
+        seen = [hint for hint in hints if not _NEVER.search(hint)]
+        assert any(self.about in hint for hint in (*hints[:1], *seen[:1])), "\n".join(hints)
+
+
+_NEVER = re.compile(r"^Line \d+: .* (never (enters|fires|tested|occurs)|is never spawned)")
+
 
 def _changed(solution: str, lines: list[str]) -> str:
     for index, line in enumerate(lines):
