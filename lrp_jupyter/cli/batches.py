@@ -103,7 +103,6 @@ def grade_files(
     `name`: the challenge; None for those that the programs name.
     """
     task = None if name is None else load(name)
-    is_exam = task is not None and task.exam
     where.check()
     submissions = _submissions(files, task, given, where.named)
     alone = len(files) == len({each.entry for each in submissions}) == 1 and not _is_class(files[0])
@@ -111,11 +110,11 @@ def grade_files(
         raise FileError(submissions[0].problem)
     if alone:
         marks = grade_class(submissions, task, seeds, how)
-        _explain(marks, is_exam)
+        _explain(marks)
     else:
         with shown_progress("grading", lines=True) as progress:
             marks = grade_class(submissions, task, seeds, how, progress)
-        _list(marks, is_exam)
+        _list(marks)
     fewer = [each for each in marks.tasks if seeds is not None and seeds < each.count]
     if fewer:
         plain_console().print(f"Note: {_said(fewer)}, and with {seeds} a program may pass by luck.")
@@ -234,29 +233,32 @@ def _submissions(
     return found
 
 
-def _explain(marks: Marks, is_exam: bool) -> None:
+def _explain(marks: Marks) -> None:
     for mark in marks.marks:
-        notes = "".join(f"\nNote: {note}" for note in mark.submission.notes)
-        code = f"\nHand-in code: {mark.code}" if is_exam else ""
-        report = Text(f"{mark.submission.file}, {mark.grade}{notes}{code}")
+        more = [f"Note: {note}" for note in mark.submission.notes]
+        more += [f"Hand-in code: {mark.code}"] if marks.has_exam else []
+        report = Text("\n".join([f"{mark.submission.file}, {mark.grade}", *more]))
         report.highlight_regex(r"✓", "green")
         report.highlight_regex(r"✗", "bold red")
         report.highlight_regex(r"(?m)^(?:Hint|Note):", "bold yellow")
         plain_console().print(report)
 
 
-def _list(marks: Marks, is_exam: bool) -> None:
+def _list(marks: Marks) -> None:
     if len(marks.tasks) == 1:
-        _list_reasons(marks, is_exam)
+        _list_reasons(marks)
     else:
         _list_tasks(marks)
     for summary in summaries(marks):
         plain_console().print(Text(str(summary)))
+    if marks.ungraded:
+        names = ", ".join(mark.submission.student for mark in marks.ungraded)
+        plain_console().print(Text(f"Not graded: {names}"))
 
 
-def _list_reasons(marks: Marks, is_exam: bool) -> None:
+def _list_reasons(marks: Marks) -> None:
     """Print a row for each submission, for one challenge."""
-    table = table_of("student", "points", "runs", *(["code"] if is_exam else []), "first reason")
+    table = table_of("student", "points", "runs", *(["code"] if marks.has_exam else []), "first reason")
     for mark in marks.marks:
         grade = mark.grade
         points = Text(f"{grade.points:g} of {grade.out_of:g}", _colour(mark))
@@ -266,7 +268,7 @@ def _list_reasons(marks: Marks, is_exam: bool) -> None:
             Text(mark.submission.student, "bold"),
             points,
             runs,
-            *([Text(mark.code)] if is_exam else []),
+            *([Text(mark.code)] if marks.has_exam else []),
             Text(" ".join(filter(None, said)), no_wrap=True, overflow="ellipsis"),
         )
     show_table(table)

@@ -153,7 +153,9 @@ class Challenge:
         """The world of each run, in which things are where its seed puts them, and the seed."""
         seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds
         worlds = map(load_world, self.worlds)
-        return tuple((varied(world, _several(self.vary, Variation), seed), seed) for world in worlds for seed in seeds)
+        return tuple(
+            (varied(world, _several(self.vary, Variation), seed), seed) for world in worlds for seed in seeds
+        )
 
     @property
     def count(self) -> int:

@@ -21,7 +21,9 @@ from lrp_jupyter.grading.handing_in import names_in
 
 PROGRAMS = (".lrp", ".ipynb")
 """What programs are saved as."""
-_TEXTS = (".txt", ".text", ".json", ".url", "")  # as which browsers and editors save them, or a link
+_TEXTS = (".txt", ".text", ".json", ".url", ".html", ".htm", "")  # as which others save them, and links
+PAGES = (".html", ".htm")
+"""What Moodle saves texts as that were written there."""
 _MOODLE = re.compile(r"(?s)(.+?)_(\d+)_assign(?:submission|feedback)_[a-z]+(?:_.*)?")
 _CANVAS = re.compile(r"(?s)([^_]+)_(?:LATE_)?(\d+)_\d+_.+")
 _ADDED = ("__MACOSX", "__pycache__", "Thumbs.db", "desktop.ini")
@@ -47,7 +49,7 @@ class HandedIn(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Its path below the folder of the class, as it is shown."""
+        """Its path in the student's folder, or its name, as it is shown."""
         return named(self.parts)
 
     @property
@@ -62,8 +64,8 @@ class HandedIn(NamedTuple):
 
 
 def named(parts: tuple[str, ...]) -> str:
-    """Return a path below the folder of a class as it is shown."""
-    return shown(PurePosixPath(*parts))
+    """Return a path as messages show it: in the student's folder, or the name of that."""
+    return shown(PurePosixPath(*(parts[1:] or parts)))
 
 
 class Entry(NamedTuple):
@@ -184,8 +186,8 @@ def _in_folder(folder: Path, apart_from: frozenset[Path]) -> Iterator[HandedIn]:
 
 
 def _in_list(path: Path) -> list[HandedIn]:
-    """Return the lines of a list of links, each as a file of its student; none if the file is no such list."""
-    if path.suffix.lower() not in _TEXTS:
+    """Return the lines of a list of links, each as a file of its student; none if it is no such list."""
+    if path.suffix.lower() not in _TEXTS or path.suffix.lower() in PAGES:
         return []
     try:
         text, _ = guessed(_on_disk(path, (path.name,)).contents(), shown(path))
@@ -196,9 +198,7 @@ def _in_list(path: Path) -> list[HandedIn]:
     for number, (line, (name, has_link)) in enumerate(listed, 1):
         parts = (printable(name)[:60] or f"line {number}", f"{number}.url")
         place = f"{_shown(path)}, line {number}"
-        problem = (
-            "" if has_link else f"Line {number} of `{shown(path.name)}` has no link that contains a program."
-        )
+        problem = "" if has_link else f"Line {number} of `{shown(path.name)}` has no link to a program."
         if line.strip():
             found.append(HandedIn(parts, place, partial(bytes, line, "utf-8"), problem))
     return found

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from lrp_jupyter.grading.marks import Handed, Marks
 from lrp_jupyter.grading.pages import page, paragraph, sign, table, words
+from lrp_jupyter.grading.similarity import groups_of
 from lrp_jupyter.grading.summary import Summary, summaries
 
 
@@ -28,6 +29,8 @@ def _body(marks: Marks) -> Iterator[str]:
             for each in marks.students
         ),
     )
+    if marks.ungraded:
+        yield paragraph(f"Not graded: {', '.join(mark.submission.student for mark in marks.ungraded)}")
     for summary in summaries(marks):
         yield "<section>"
         yield from _section(summary)
@@ -70,13 +73,18 @@ def _section(summary: Summary) -> Iterator[str]:
     for what, names in summary.stuck.items():
         yield paragraph(f"{what}: {', '.join(names)}")
     if summary.alike:
+        pairs = summary.alike[:_MOST]
         yield table(
             ("alike", "", "share"),
-            ((words(each.first), words(each.second), f"{each.share:.0%}") for each in summary.alike),
+            ((words(each.first), words(each.second), f"{each.share:.0%}") for each in pairs),
         )
+        if len(summary.alike) > _MOST:
+            groups = "; ".join(", ".join(group) for group in groups_of(summary.alike))
+            yield paragraph(f"And {len(summary.alike) - _MOST} more pairs, among: {groups}.")
         yield paragraph(_FIGURE, "faint")
 
 
+_MOST = 30  # pairs
 _FIGURE = (
     "The share of what two students wrote themselves that is the same, whatever the names, comments and "
     "layout. A figure, not a verdict: a short task has few answers."

@@ -50,7 +50,7 @@ def write_feedback(marks: Marks, folder: Path) -> list[Path]:
 
 
 def _name(student: Handed) -> str:
-    if student.number and "_assign" in student.entry:
+    if student.is_from_moodle:
         name = f"{student.student}_{student.number}_assignsubmission_file_feedback"
     else:
         name = student.student
@@ -123,7 +123,7 @@ def picture(task: Challenge, attempt: Attempt) -> str:
     """Return a picture of the world of a run with the way of the robot; empty if it never began."""
     if not attempt.path:
         return ""
-    worlds = [world for world, _ in replace(task, seeds=(attempt.seed,)).runs]
+    worlds = [world for world, _ in replace(task.whole(), seeds=(attempt.seed,)).runs]
     world = next((each for each in worlds if (each.name or "world") == attempt.world), None)
     if world is None:
         return ""

@@ -94,7 +94,7 @@ class Grade:
         if self.passed:
             return self.out_of
         above = max(0.0, self.share - self.start) / (1 - self.start) if self.start < 1 else 0.0
-        return min(round(self.out_of * above, 1), round(self.out_of - 0.1, 1))
+        return max(0.0, min(round(self.out_of * above, 1), round(self.out_of - 0.1, 1)))
 
     @property
     def hints(self) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ assignment. All else in the table stays as it is: its rows, their order, the sep
 
 from __future__ import annotations
 
+import codecs
 import csv
 import io
 import re
@@ -94,29 +95,25 @@ def fill_in(path: Path, marks: Marks, column: str | None = None) -> Filled:
 
 
 def _moodle(table: _Table, marks: Marks, places: dict[str, int | None]) -> Filled:
-    students = _Students(marks)
-    notes = []
-    locked = []
-    count = 0
-    for row in table.rows[1:]:
-        number = _DIGITS.search(_cell(row, places["identifier"]))
-        student = students.find(number[0] if number else "", _cell(row, places["name"]))
-        if student is None:
-            continue
+    rows = table.rows[1:]
+    numbers = [_DIGITS.search(_cell(row, places["identifier"])) for row in rows]
+    names = [_cell(row, places["name"]) for row in rows]
+    matched = _match([found[0] if found else "" for found in numbers], names, marks, True)
+    count, locked = 0, []
+    for index, student in matched.items():
+        row = rows[index]
         if _cell(row, places["open"]).casefold() in ("no", "nein"):
             locked.append(student.student)
             continue
-        most = _cell(row, places["most"])
-        _put(row, places["grade"], _scaled(student.points, marks.out_of, most, table))
         _put(row, places["comment"], _comment(student))
-        count += 1
-    if locked:
-        notes.append(f"Moodle does not let you change the grades of {', '.join(locked)}.")
+        if student.is_read:
+            most = _cell(row, places["most"])
+            _put(row, places["grade"], _scaled(student.points, marks.out_of, most, table))
+            count += 1
+    notes = [f"Moodle does not let you change the grades of {', '.join(locked)}."] if locked else []
     if places["comment"] is None:
-        notes.append(
-            "There is no column for comments. Switch on *Feedback comments* in the assignment for it."
-        )
-    return Filled(table.written(), count, (*notes, *students.notes()))
+        notes.append("There is no column for comments. Switch on *Feedback comments* in the assignment.")
+    return Filled(table.written(), count, (*notes, *_missed(matched, marks)))
 
 
 def _comment(student: Handed) -> str:
@@ -124,7 +121,8 @@ def _comment(student: Handed) -> str:
     lines = []
     for mark in student.marks:
         grade = mark.grade
-        lines.append(f"{grade.challenge or 'Not graded'}: {grade.points:g} of {grade.out_of:g} points.")
+        if grade.challenge:
+            lines.append(f"{grade.challenge}: {grade.points:g} of {grade.out_of:g} points.")
         lines += [mark.submission.problem] if mark.submission.text is None else [mark.reason]
         lines += [f"Hint: {grade.hint}"] if grade.hint else []
     return "<br>".join(escape(line, quote=False).replace("\n", "<br>") for line in lines if line)
@@ -134,75 +132,80 @@ def _comment(student: Handed) -> str:
 
 
 def _canvas(path: Path, table: _Table, marks: Marks, column: str | None) -> Filled:
-    head = table.rows[0]
-    places: dict[str, int] = {}
-    if column is not None:
-        place = _column(path, head, column)
-    else:
-        named = {slug(re.sub(r"\s*\(\d+\)$", "", cell)): place for place, cell in enumerate(head)}
-        places = {name: named[slug(name)] for name in marks.names if slug(name) in named}
-        if not places:
-            raise FileError(
-                f"`{shown(path)}` has no column for {_listed(marks.names)}. Choose one with `--column NAME`: "
-                f"{_listed(head)}."
-            )
-    students = _Students(marks)
-    possible = next((row for row in table.rows[1:] if row and row[0].strip().casefold() == _POSSIBLE), [])
-    count = 0
-    for row in table.rows[1:]:
-        name, number = _cell(row, head.index("Student")), _cell(row, head.index("ID"))
-        if row is possible or not (student := students.find(number, name)):
+    head, *rows = table.rows
+    named = {slug(re.sub(r"\s*\(\d+\)$", "", cell)): place for place, cell in enumerate(head)}
+    whole = None if column is None else _column(path, head, column)
+    places = {name: named[slug(name)] for name in marks.names if slug(name) in named}
+    if whole is None and not places:
+        raise FileError(
+            f"`{shown(path)}` has no column for {_listed(marks.names)}. Choose one with `--column NAME`: "
+            f"{_listed(head)}."
+        )
+    possible = next((row for row in rows if _cell(row, 0).casefold() == _POSSIBLE), [])
+    students = [row if row is not possible else [] for row in rows]
+    name, number = head.index("Student"), head.index("ID")
+    matched = _match(
+        [_cell(row, number) for row in students], [_cell(row, name) for row in students], marks, False
+    )
+    filled = {index: student for index, student in matched.items() if student.is_read}
+    for index, student in filled.items():
+        if whole is not None:
+            most = _cell(possible, whole)
+            _put(rows[index], whole, _scaled(student.points, marks.out_of, most, table))
             continue
-        if column is not None:
-            _put(row, place, _scaled(student.points, marks.out_of, _cell(possible, place), table))
         for task in marks.tasks:
-            mark = student.mark(task.name)
-            if mark is not None and task.name in places:
-                at = places[task.name]
-                _put(row, at, _scaled(mark.grade.points, task.points, _cell(possible, at), table))
-        count += 1
-    left = [name for name in marks.names if column is None and name not in places]
+            mark, place = student.mark(task.name), places.get(task.name)
+            if mark is not None and mark.submission.text is not None and place is not None:
+                points = _scaled(mark.grade.points, task.points, _cell(possible, place), table)
+                _put(rows[index], place, points)
+    left = [each for each in marks.names if whole is None and each not in places]
     notes = [f"There is no column for {_listed(left)}."] if left else []
-    return Filled(table.written(), count, (*notes, *students.notes()))
+    return Filled(table.written(), len(filled), (*notes, *_missed(matched, marks)))
 
 
 # -- both ------------------------------------------------------------------------------------------
 
 
-class _Students:
-    """The students of a class, who are found by a number or a name."""
+def _match(numbers: Sequence[str], names: Sequence[str], marks: Marks, is_moodle: bool) -> dict[int, Handed]:
+    """Return whose rows these are: by the number, or else by a name that only one row and one student have.
 
-    def __init__(self, marks: Marks) -> None:
-        self._all = marks.students
-        self._found: set[int] = set()
-        self._by: dict[str, list[int]] = {}
-        for index, student in enumerate(self._all):
-            for key in {student.number, *_keys(student.student)} - {""}:
-                self._by.setdefault(key, []).append(index)
-
-    def find(self, number: str, name: str) -> Handed | None:
-        """Return the student with a number, or else the only one of a name."""
-        for key in (number, *_keys(name)):
-            found = self._by.get(key, [])
-            if len(found) == 1 and (
-                key == number or number == "" or self._all[found[0]].number in ("", number)
-            ):
-                self._found.add(found[0])
-                return self._all[found[0]]
-        return None
-
-    def notes(self) -> list[str]:
-        """Say whose marks were not put into any row."""
-        missed = [each.student for index, each in enumerate(self._all) if index not in self._found]
-        if not missed:
-            return []
-        return [f"No row was found for {', '.join(missed)}. Enter the points yourself, or correct the names."]
+    `is_moodle`: whether the numbers are Moodle's.
+    """
+    students = marks.students
+    by_number = {each.number: each for each in students if each.number and each.is_from_moodle == is_moodle}
+    matched = {index: by_number[number] for index, number in enumerate(numbers) if number in by_number}
+    rows = _by_key({index: name for index, name in enumerate(names) if index not in matched})
+    taken = [*matched.values()]
+    free = [each for each in students if each not in taken]
+    for key, found in _by_key({index: each.student for index, each in enumerate(free)}).items():
+        at = rows.get(key, ())
+        if len(found) == len(at) == 1:
+            matched[next(iter(at))] = free[next(iter(found))]
+    return matched
 
 
-def _keys(name: str) -> list[str]:
-    """Return a name as it is compared: its words in any order; and joined in their order, as Canvas does."""
-    words = re.findall(r"\w+", name.casefold())
-    return [" ".join(sorted(words)), "".join(words)] if words else []
+def _by_key(names: dict[int, str]) -> dict[str, set[int]]:
+    """Return which names are the same: their words in any order; or joined in their order, as Canvas does."""
+    found: dict[str, set[int]] = {}
+    for index, name in names.items():
+        words = re.findall(r"\w+", name.casefold())
+        for key in (" ".join(sorted(words)), "".join(words)):
+            found.setdefault(key, set()).add(index)
+    found.pop("", None)
+    return found
+
+
+def _missed(matched: dict[int, Handed], marks: Marks) -> list[str]:
+    """Say who gets no points in the table."""
+    found = [*matched.values()]
+    missed = [each.student for each in marks.students if each not in found]
+    unread = [each.student for each in found if not each.is_read]
+    notes = []
+    if missed:
+        notes.append(f"No row was found for {', '.join(missed)}. Enter their points yourself.")
+    if unread:
+        notes.append(f"No grade was entered for {', '.join(unread)}: what they handed in cannot be read.")
+    return notes
 
 
 def _read(path: Path) -> _Table:
@@ -212,9 +215,8 @@ def _read(path: Path) -> _Table:
     rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
     if not rows or len(rows[0]) < 2:
         raise FileError(f"`{shown(path)}` is not a table. Download the worksheet again as CSV.")
-    return _Table(
-        rows, separator, "\r\n" if "\r\n" in text else "\n", path.read_bytes()[:3] == b"\xef\xbb\xbf"
-    )
+    line_end = "\r\n" if "\r\n" in text else "\n"
+    return _Table(rows, separator, line_end, path.read_bytes().startswith(codecs.BOM_UTF8))
 
 
 def _place(head: Sequence[str], names: Sequence[str]) -> int | None:
@@ -225,10 +227,8 @@ def _column(path: Path, head: Sequence[str], name: str) -> int:
     found = [place for place, cell in enumerate(head) if slug(cell) == slug(name)]
     found = found or [place for place, cell in enumerate(head) if slug(cell).startswith(slug(name))]
     if len(found) != 1:
-        listed = ", ".join(f"`{each}`" for each in head)
-        raise FileError(
-            f"`{shown(path)}` has no column `{name}`.{did_you_mean(name, head)} Choose one of {listed}."
-        )
+        hint = did_you_mean(name, head)
+        raise FileError(f"`{shown(path)}` has no column `{name}`.{hint} Choose one of {_listed(head)}.")
     return found[0]
 
 
@@ -253,5 +253,4 @@ def _scaled(points: float, out_of: float, most: str, table: _Table) -> str:
     except ValueError:
         whole = out_of
     share = points / out_of if out_of else 0.0
-    number = round(share * (whole or out_of), 2)
-    return decimal(number, table.has_comma)
+    return decimal(round(share * (whole or out_of), 2), table.has_comma)

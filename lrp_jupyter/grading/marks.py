@@ -25,12 +25,6 @@ class Mark(NamedTuple):
     grade: Grade
 
     @property
-    def code(self) -> str:
-        """The hand-in code, as the lab of an exam shows it; empty for what cannot be read."""
-        text = self.submission.text
-        return "" if text is None else code_of(text)
-
-    @property
     def reason(self) -> str:
         """Why the first run that failed did not pass, in a line; empty if all passed."""
         first = self.grade.first_failed
@@ -38,8 +32,14 @@ class Mark(NamedTuple):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is to be known of the submission and the program, each a sentence."""
-        return self.submission.notes + self.grade.notes
+        """What is to be known of the submission, each a sentence."""
+        return (*self.submission.notes, *self.grade.notes)
+
+    @property
+    def code(self) -> str:
+        """The hand-in code, as the lab of an exam shows it; empty for what cannot be read."""
+        text = self.submission.text
+        return "" if text is None else code_of(text)
 
 
 class Handed(NamedTuple):
@@ -58,6 +58,16 @@ class Handed(NamedTuple):
     def points(self) -> float:
         """The points for all challenges together."""
         return round(sum(mark.grade.points for mark in self.marks), 1)
+
+    @property
+    def is_read(self) -> bool:
+        """Whether anything that was handed in can be read."""
+        return any(mark.submission.text is not None for mark in self.marks)
+
+    @property
+    def is_from_moodle(self) -> bool:
+        """Whether Moodle has named what was handed in."""
+        return bool(self.number) and "_assign" in self.entry
 
     def mark(self, name: str) -> Mark | None:
         """Return the mark for a challenge; None if nothing was handed in for it."""
@@ -81,9 +91,19 @@ class Marks:
         return tuple(task.name for task in self.tasks)
 
     @property
+    def has_exam(self) -> bool:
+        """Whether any of the challenges is an exam, whose hand-in codes are compared."""
+        return any(task.exam for task in self.tasks)
+
+    @property
     def out_of(self) -> float:
         """The points for programs that pass in all challenges."""
         return sum(task.points for task in self.tasks)
+
+    @property
+    def ungraded(self) -> tuple[Mark, ...]:
+        """The marks of submissions that are for no challenge: they name none, or cannot be read."""
+        return tuple(mark for mark in self.marks if not mark.grade.challenge)
 
     @property
     def attempts(self) -> tuple[Attempt, ...]:
@@ -92,12 +112,16 @@ class Marks:
 
     @property
     def students(self) -> tuple[Handed, ...]:
-        """The marks student by student, in the order of the submissions."""
+        """The marks of each student, in the order of the submissions and of the challenges."""
         found: dict[tuple[str, str, str], list[Mark]] = {}
         for mark in self.marks:
             each = mark.submission
             found.setdefault((each.student, each.entry, each.number), []).append(mark)
-        return tuple(Handed(*who, tuple(marks)) for who, marks in found.items())
+        order = {name: place for place, name in enumerate(self.names)}
+        return tuple(
+            Handed(*who, tuple(sorted(marks, key=lambda mark: order.get(mark.grade.challenge, -1))))
+            for who, marks in found.items()
+        )
 
     def csv(self, separator: str = ",") -> str:
         """Return a table with a row for each submission; ``first_…`` describes its first failed run."""
@@ -181,15 +205,16 @@ def grade_class(
 ) -> Marks:
     """Grade the submissions of a class; one that cannot be read gets no points, and the others theirs.
 
-    Worlds that a challenge hides from students count.
+    The worlds that a challenge hides from students count, too.
 
     `task`: the challenge; default: for each submission the one that it is for.
     Raises LRPError: the cluster cannot be reached, or a submission is for a challenge that does not exist.
     """
-    chosen = [task or (challenge(each.challenge) if each.challenge else None) for each in submissions]
-    tasks = [its and its.whole() for its in chosen]
+    tasks = [task or (challenge(each.challenge) if each.challenge else None) for each in submissions]
+    named = {its.name: its for its in tasks if its is not None}
+    whole = {name: its.whole() for name, its in named.items()}
     programs = [
-        (each.text, its)
+        (each.text, whole[its.name])
         for each, its in zip(submissions, tasks, strict=True)
         if each.text is not None and its is not None
     ]
@@ -198,7 +223,6 @@ def grade_class(
         Mark(each, next(graded) if each.text is not None and its else _unread(each, its, seeds))
         for each, its in zip(submissions, tasks, strict=True)
     )
-    named = {its.name: its for its in tasks if its is not None}
     in_order = dict.fromkeys([*(each.name for each in challenges() if each.name in named), *named])
     return Marks(tuple(named[name] for name in in_order), marks)
 
@@ -208,7 +232,7 @@ def _unread(submission: Submission, task: Challenge | None, seeds: int | Iterabl
     attempt = failed("text", "can be read", submission.problem)
     if task is None:
         return Grade("", (attempt,), 0, 1)
-    jobs = jobs_of("", task, seeds)[1]
+    jobs = jobs_of("", task.whole(), seeds)[1]
     return Grade.of(task, {0: attempt.of(jobs[0])}, jobs)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ast
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -19,7 +19,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Block, Name
 from lrp_jupyter.language.python.block_suite import parse_block
 
-_LEAST = 10  # parts of one's own: shorter programs are alike anyway
+_LEAST = 16  # parts of one's own: shorter programs are alike anyway
 _SMALLEST = 3  # words of a part that counts
 _NUMBER = re.compile(r"\b\d[\d.e+-]*")
 _PLACES = ("span", "text", "filename")
@@ -56,6 +56,19 @@ def alike(programs: Mapping[str, str], given: str = "", least: float = 0.8) -> l
         if share >= least:
             pairs.append(Alike(first, second, share))
     return sorted(pairs, key=lambda pair: -pair.share)
+
+
+def groups_of(pairs: Iterable[Alike]) -> list[tuple[str, ...]]:
+    """Return who is in pairs that hang together, the largest group first."""
+    groups: list[dict[str, None]] = []
+    for first, second, _ in pairs:
+        joined = {first: None, second: None}
+        apart = [group for group in groups if not group.keys() & joined.keys()]
+        for group in groups:
+            if group not in apart:
+                joined = {**group, **joined}
+        groups = [*apart, joined]
+    return sorted(map(tuple, groups), key=len, reverse=True)
 
 
 def parts_of(text: str) -> Counter[str]:

@@ -2,7 +2,8 @@
 
 The lab writes its text into the cell when the notebook is saved. A lab without such a cell is saved with its
 text in its output. A program says for which challenge it is by the option of its cell, by its heading, or by
-the name of its file. The layouts of Moodle, Canvas and nbgrader are read as they are.
+the name of its file. The layouts of Moodle, Canvas and nbgrader are read as they are; so are links that
+contain programs, and texts that were pasted into Moodle.
 """
 
 from __future__ import annotations
@@ -11,17 +12,19 @@ import json
 import re
 import shlex
 from collections.abc import Collection, Iterator, Sequence
+from html.parser import HTMLParser
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
 from lrp_jupyter.errors import FileError, LRPError, did_you_mean
 from lrp_jupyter.files import guessed, shown
 from lrp_jupyter.grading.challenges import Challenge, challenges
-from lrp_jupyter.grading.class_folder import Entry, HandedIn, entries_in
+from lrp_jupyter.grading.class_folder import PAGES, Entry, HandedIn, entries_in
 from lrp_jupyter.grading.handing_in import programs_in
 from lrp_jupyter.programs import heading
 
 _CELL = re.compile(r"\s*%%lrp\b(.*)")
+_NAMELESS = "`{}` names no challenge. Write `; challenge: NAME` into its first line, or use `--challenge`."
 _LONGEST = 1_000_000  # characters of a program
 
 
@@ -66,7 +69,7 @@ class _Program(NamedTuple):
 class _File(NamedTuple):
     """What is in a file.
 
-    `name`: its path below the folder of the class.
+    `name`: its path in the student's folder.
     `cells`: the program, or those in the ``%%lrp`` cells of a notebook.
     `labs`: those of labs that a notebook has saved in other outputs.
     `blank`: whether there are ``%%lrp`` cells without a program.
@@ -80,6 +83,15 @@ class _File(NamedTuple):
     is_notebook: bool = False
     blank: bool = False
     notes: tuple[str, ...] = ()
+
+    @property
+    def lacks(self) -> str:
+        """Why there is no program in it, a sentence; empty if there is one."""
+        if self.cells or self.labs:
+            return ""
+        if self.blank:
+            return f"`{self.name}` has an empty `%%lrp` cell. Save the notebook again, with the lab open."
+        return f"`{self.name}` has no `%%lrp` cell."
 
     def fits(self, task: Challenge) -> bool:
         """Return whether it says, by its name or its programs, that it is for a challenge."""
@@ -165,12 +177,7 @@ def _of_entry(entry: Entry, released: _File | None) -> Iterator[Submission]:
             problem = f"A program names the challenge `{name}`, which does not exist.{hint}"
             yield _unread(entry, [problem])
     if not tasks and files:
-        names = ", ".join(f"`{file.name}`" for file in files)
-        problem = (
-            f"{names} names no challenge. Write `; challenge: NAME` into the first line, or choose one with "
-            "`--challenge NAME`."
-        )
-        yield _unread(entry, [problem, *problems])
+        yield _unread(entry, [*(file.lacks or _NAMELESS.format(file.name) for file in files), *problems])
     elif not tasks:
         yield _unread(entry, [*problems, *entry.problems])
 
@@ -262,6 +269,12 @@ def _read(handed_in: HandedIn) -> _File:
     place, name = handed_in.place, handed_in.name
     text, guess = guessed(handed_in.contents(), f"`{name}`")
     notes = (guess,) if guess else ()
+    if handed_in.suffix in PAGES:
+        if "jp-Notebook" in text:
+            raise FileError(
+                f"`{name}` is a page made of a notebook. Hand in the notebook itself, `NAME.ipynb`."
+            )
+        text = _said(text)
     if handed_in.suffix == ".ipynb" or (text.lstrip().startswith("{") and '"cells"' in text):
         cells, labs, blank = _cells_and_labs(text, name)
         file = _File(place, name, handed_in.stem, cells, labs, True, blank, notes)
@@ -292,6 +305,32 @@ def _linked(handed_in: HandedIn, text: str) -> tuple[_Program, ...]:
     return tuple(_Program(each.challenge or heading(each.text).challenge or "", each.text) for each in links)
 
 
+class _Page(HTMLParser):
+    """What a page says, and where its links lead, as text: Moodle's online texts are pages."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.said = self.links = ""
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.links += "".join(f"\n{value}" for key, value in attributes if key == "href" and value)
+        self.said += "\n" * (tag == "br")
+
+    def handle_endtag(self, tag: str) -> None:
+        self.said += "\n" * (tag in ("p", "div", "li", "pre"))
+
+    def handle_data(self, data: str) -> None:
+        self.said += data.replace("\xa0", " ")
+
+
+def _said(page: str) -> str:
+    """Return what a page says, or where its links to programs lead."""
+    parser = _Page()
+    parser.feed(page)
+    parser.close()
+    return parser.links if programs_in(parser.links) else parser.said
+
+
 def _text_for(file: _File, task: Challenge) -> str:
     """Return the program in a file that is for a challenge.
 
@@ -304,14 +343,10 @@ def _text_for(file: _File, task: Challenge) -> str:
     for programs in (file.cells, file.labs):
         if len(programs) == 1:
             return programs[0].text
-    if file.cells:
-        what = f"has {len(file.cells)} `%%lrp` cells, and none is for this challenge"
-    elif file.blank:
-        what = "has a `%%lrp` cell in which there is nothing. Save the notebook again, with the lab open"
-    else:
-        what = "has no `%%lrp` cell"
+    count = len(file.cells)
+    what = file.lacks or f"`{file.name}` has {count} `%%lrp` cells, and none is for this challenge."
     raise FileError(
-        f"`{file.name}` {what}. Begin the cell to be graded with "
+        f"{what} Begin the cell to be graded with "
         f"`%%lrp {slug(task.name)} --challenge {shlex.quote(task.name)}`."
     )
 

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.marks import Mark, Marks
-from lrp_jupyter.grading.similarity import Alike, alike
+from lrp_jupyter.grading.similarity import Alike, alike, groups_of
 
-_MOST = 5  # failures, and pairs of programs that are alike, that are shown
+_MOST = 5  # failures that are printed
 
 
 class Failure(NamedTuple):
@@ -80,10 +80,9 @@ class Summary(NamedTuple):
             yield f"  First not met by {failure.by}: {failure.criterion}.{hint}"
         for what, names in self.stuck.items():
             yield f"  {what}: {', '.join(names)}"
-        for first, second, share in self.alike[:_MOST]:
-            yield f"  Alike by {share:.0%}: {first} and {second}"
-        if len(self.alike) > _MOST:
-            yield f"  And {len(self.alike) - _MOST} more pairs that are alike"
+        for group in groups_of(self.alike):
+            least = min(pair.share for pair in self.alike if pair.first in group)
+            yield f"  Alike by {least:.0%} or more: {', '.join(group)}"
 
 
 def summaries(marks: Marks) -> tuple[Summary, ...]:

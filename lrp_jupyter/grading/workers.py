@@ -396,7 +396,10 @@ def _attempt_of(job: Job, ending: Ending) -> Attempt:
     with suppress(ValueError, RecursionError):
         return Attempt.from_dict(json.loads(ending.answer)).of(job)
     if ending.code is None:
-        reason = "A call into compiled code did not return. Blocks must not wait, nor stop a process."
+        reason = (
+            "One call in a block did not return, such as `sum` of something endless. Let a block do a "
+            "little in each tick, and wait with `ontime`."
+        )
         return failed("time", f"is computed within {job.limit:g} s", reason).of(job)
     return failed("crash", "runs to its end", _reason(ending)).of(job)
 
@@ -409,17 +412,26 @@ def _reason(ending: Ending) -> str:
             "The run ended with something that is not an answer. The program may write only to its own files."
         )
     if ending == LOST:
-        return "Its process was killed, and killed again when the run was repeated on its own."
+        return (
+            "Its process was killed, and killed again when the run was repeated on its own. Remove what ends "
+            "processes; or it needs more memory than this computer has."
+        )
     if not code:
         return (
             "The run ended without an answer. The program must not end or stop a process, nor close files"
             " that it has not opened."
         )
     if code > 0:
-        return f"The program ended its own process, with the exit code {code}."
+        return (
+            f"The program ended its own process, with the exit code {code}. Remove the call that does that."
+        )
+    name = f"signal {-code}"
     with suppress(ValueError):
-        return f"The process of the program crashed ({signal.Signals(-code).name})."
-    return f"The process of the program crashed (signal {-code})."
+        name = signal.Signals(-code).name
+    return (
+        f"The program crashed the process that ran it ({name}). Python alone does not: remove calls of `os`, "
+        "`signal` or `ctypes`, or of a package that is not Python's own."
+    )
 
 
 def _packed(job: Job, memory: float) -> Request:

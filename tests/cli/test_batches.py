@@ -44,7 +44,7 @@ def test_several_files_are_a_class_and_one_file_is_explained(lrp, group, tmp_pat
     result = lrp("grade", group / "ada.lrp", group / "bob.lrp", "--challenge", "first move")
     assert (result.exit_code, "1 of 2 passed" in result.stdout) == (0, True)
     result = lrp("grade", group / "bob.lrp", "--challenge", "first move", "--out", tmp_path / "a.json")
-    assert (result.exit_code, "runs to its end: The process" in result.stdout) == (1, True)
+    assert (result.exit_code, "runs to its end: The program crashed" in result.stdout) == (1, True)
     assert json.loads((tmp_path / "a.json").read_text("utf-8"))["submissions"][0]["student"] == "bob"
 
 

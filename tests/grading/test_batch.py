@@ -5,6 +5,8 @@ import io
 import json
 import os
 import zipfile
+import zlib
+from base64 import urlsafe_b64encode
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -152,16 +154,16 @@ def test_every_entry_has_a_row_and_what_is_no_program_says_why(hand_in):
     assert "".join(texts.values()) == "12834567"  # in the order of the entries
     assert {student: row.problem for student, row in rows.items() if row.text is None} == {
         "hans.docx": NO_PROGRAM.format("hans.docx"),
-        "ida": NO_PROGRAM.format("ida/report.pdf"),
+        "ida": NO_PROGRAM.format("report.pdf"),
         "jo": f"`jo.zip` cannot be unpacked: It is damaged, or not a zip file. {AGAIN}",
         "kim": "`kim.zip` is an empty zip file.",
         "lea.rar": "`lea.rar` is an archive that cannot be opened here. Unpack it, or pack it as `.zip`.",
         "mia": "`mia.lrp` is empty. Open the program in the lab, save it again, and hand in that.",
         "nina": "`nina.lrp` is not a text: it has bytes that no text has. Save the program as text again.",
-        "olaf": "`olaf.ipynb` has a `%%lrp` cell in which there is nothing. Save the notebook again, with "
-        "the lab open. Begin the cell to be graded with `%%lrp first-move --challenge 'first move'`.",
-        "pia": f"`pia.zip/a.lrp` cannot be unpacked: It is encrypted. {AGAIN}",
-        "bomb": f"`bomb.zip/big.lrp` cannot be unpacked: It contains more than 32 MB. {AGAIN}",
+        "olaf": "`olaf.ipynb` has an empty `%%lrp` cell. Save the notebook again, with the lab open. "
+        "Begin the cell to be graded with `%%lrp first-move --challenge 'first move'`.",
+        "pia": f"`a.lrp` cannot be unpacked: It is encrypted. {AGAIN}",
+        "bomb": f"`big.lrp` cannot be unpacked: It contains more than 32 MB. {AGAIN}",
         "quin": "`quin` is an empty folder.",
     }
 
@@ -198,6 +200,54 @@ def test_a_class_may_be_one_zip_file_as_moodle_sends_it_or_in_a_folder_in_it(han
         {"a.zip": zipped(files), "b.zip": zipped({f"class/{name}": files[name] for name in files})}
     )
     assert found(folder / "a.zip") == found(folder / "b.zip") == {"Ada A": "1", "Bob B": "2"}
+
+
+def link_to(text, query="?challenge=first+move&program=mine"):
+    packed = zlib.compress(text.encode(), wbits=-15)
+    return f"https://example.org/lrp/{query}#text={urlsafe_b64encode(packed).decode().rstrip('=')}"
+
+
+def test_links_and_texts_that_were_pasted_into_moodle_are_programs(hand_in):
+    link = link_to(DRIVE)
+    folder = hand_in({
+        "ada.url": f"[InternetShortcut]\r\nURL={link}\r\n",
+        "bob.txt": f"This is mine:\n{link}",
+        "Carl C_7_assignsubmission_onlinetext/onlinetext.html":
+            f'<p>see <a href="{link.replace("&", "&amp;")}">it</a>',
+        "Dora D_8_assignsubmission_onlinetext/onlinetext.html":
+            "<p>; challenge: first move</p><p>(machine m (state&nbsp;a<br>"
+            "(running [robot.move(linear=0.2)])))</p><div>(spawn m a)</div>",
+        "eve.html": '<body class="jp-Notebook">',
+        "frida.txt": link[:-9],
+    })  # fmt: skip
+    rows = {each.student: each for each in find_submissions([folder])}
+    texts = {name: row.text for name, row in rows.items()}
+    assert texts["ada"] == texts["bob"] == texts["Carl C"] == DRIVE
+    assert {row.challenge for name, row in rows.items() if name < "Z" or name in ("ada", "bob")} == {
+        "first move"
+    }
+    assert grade(texts["Dora D"], "first move", 1).passed
+    assert rows["eve"].problem.endswith("Hand in the notebook itself, `NAME.ipynb`.")
+    assert "The link is damaged" in rows["frida"].problem
+
+
+def test_a_list_of_links_has_a_row_for_each_line(hand_in):
+    lines = [
+        f"Ada Lovelace   {link_to(DRIVE)}", "", f"Bob, {link_to('1')}",
+        f"Ada Lovelace: {link_to('2', '?challenge=lap')}",
+        f"Carl  {link_to(DRIVE)[:-9]}", "Dora was ill",
+    ]  # fmt: skip
+    path = hand_in({"links.txt": "\n".join(lines)}) / "links.txt"
+    rows = [
+        (each.student, each.challenge, each.text or each.problem[:22]) for each in find_submissions([path])
+    ]
+    assert rows == [
+        ("Ada Lovelace", "first move", DRIVE),
+        ("Ada Lovelace", "lap", "2"),
+        ("Bob", "first move", "1"),
+        ("Carl", "", "The link of `Carl` is "),
+        ("Dora was ill", "", "Line 6 of `links.txt` "),
+    ]
 
 
 @pytest.mark.parametrize(
@@ -239,7 +289,7 @@ def test_of_several_files_of_a_student_the_one_for_the_challenge_counts(hand_in)
     })  # fmt: skip
     texts = found(folder)
     assert (texts["ada"], texts["carl"]) == ("1", "2")
-    assert texts["bob"].startswith("There are several programs: `bob/a.lrp`, `bob/b.lrp`. Name the one")
+    assert texts["bob"].startswith("There are several programs: `a.lrp`, `b.lrp`. Name the one")
 
 
 @pytest.mark.parametrize(

@@ -130,6 +130,28 @@ def test_what_is_no_answer_of_a_run_is_an_error_of_that_run_alone():
         assert attempt.verdicts[0].reason.startswith("The run ended with")
 
 
+ENDINGS = {
+    "import os; os._exit(3)": "exit code 3. Remove the call",
+    "import os; os._exit(0)": "The run ended without an answer. The program must not end",
+    "import os; os.abort()": "(SIGABRT). Python alone does not: remove calls of `os`",
+    "import os, signal; os.kill(os.getpid(), signal.SIGKILL)": "Remove what ends processes",
+    "while True: pass": "A block must end at once: use a state with `ontime`",
+    "sum(range(10**13))": "One call in a block did not return",
+}
+
+
+@pytest.mark.slow  # one call is waited for
+@needs_fork
+def test_why_a_run_has_ended_is_said_with_a_remedy():
+    grades = grade_all(
+        [DRIVE.replace("robot.move(linear=0.2)", code) for code in ENDINGS], FIRST, 1, HowRun(3)
+    )
+    reasons = [each.attempts[0].reason for each in grades]
+    assert [
+        words for words, reason in zip(ENDINGS.values(), reasons, strict=True) if words not in reason
+    ] == []
+
+
 def changed(**values):
     return {**FORGED, "path": [], **values}
 

@@ -12,15 +12,15 @@ from grading.answers import ANSWERS
 from lrp_jupyter.grading.challenges import challenge
 
 NAMES = """
-Ada Lovelace, Bob Kahn, Carla Öz, Dora Ünal, Eve O'Neil, Frida Kahlo, Gustav Groß, Hana Sato, Ida Rhodes, Jan Tschichold,
-Kim Lee, Lea Roth, Mia Farrow, Nina Simone, Olaf Palme, Pia Müller, Quin Abadi, Rosa Parks, Sam Ting, Tove Jansson,
-Uma Thurman, Vera Rubin, Wim Wenders, Xi Chen, Yara Shahidi, Zoë Kravitz, Anna Seghers, Ben Okri, Cem Karaca, Dai Sijie,
-Elif Şafak, Fela Kuti, Gina Rowlands, Hugo Ball, Inge Lehmann, Joan Miró, Karl Popper, Lise Meitner, Max Born,
-Noor Khan, Otto Hahn, Paul Klee, Quentin Blake, Ruth Benedict, Sofia Gubaidulina, Tim Berners, Ute Lemper, Vida Ahmadi,
-Walt Disney, Yoko Ono
+Ada Lovelace, Bob Kahn, Carla Öz, Dora Ünal, Eve O'Neil, Frida Kahlo, Gustav Groß, Hana Sato, Ida Rhodes,
+Jan Tschichold, Kim Lee, Lea Roth, Mia Farrow, Nina Simone, Olaf Palme, Pia Müller, Quin Abadi, Rosa
+Parks, Sam Ting, Tove Jansson, Uma Thurman, Vera Rubin, Wim Wenders, Xi Chen, Yara Shahidi, Zoë Kravitz,
+Anna Seghers, Ben Okri, Cem Karaca, Dai Sijie, Elif Şafak, Fela Kuti, Gina Rowlands, Hugo Ball, Inge
+Lehmann, Joan Miró, Karl Popper, Lise Meitner, Max Born, Noor Khan, Otto Hahn, Paul Klee, Quentin Blake,
+Ruth Benedict, Sofia Gubaidulina, Tim Berners, Ute Lemper, Vida Ahmadi, Walt Disney, Yoko Ono
 """.replace("\n", " ")
 STUDENTS = [name.strip() for name in NAMES.split(",")]
-FIRST, LAMP = "first move", "lamp"
+FIRST, SECOND = "first move", "bump and turn"
 
 
 def answers(task: str, kind: str) -> list[str]:
@@ -66,21 +66,24 @@ def disguised(text: str) -> str:
 
 def make(folder: Path) -> dict[str, str]:
     """Fill a folder with fifty entries, and return what is expected of each: a word, by the student."""
-    (good, *_), (lamp, *_) = answers(FIRST, "solution"), answers(LAMP, "solution")
-    weak, weak_lamp = answers(FIRST, "wrong"), answers(LAMP, "wrong")
-    both = {FIRST: good, LAMP: lamp}
-    given = {name: challenge(name).beginning for name in (FIRST, LAMP)}
+    (good, *_), (second, *_) = answers(FIRST, "solution"), answers(SECOND, "solution")
+    weak, weak_second = answers(FIRST, "wrong"), answers(SECOND, "wrong")
+    both = {FIRST: good, SECOND: second}
+    given = {name: challenge(name).beginning for name in (FIRST, SECOND)}
     hang = good.replace("[robot.move(linear=0.2)]", "[[None for each in iter(int, 1)]]")
     crash = good.replace("[robot.move(linear=0.2)]", "[(lambda: __import__('os').abort())()]")
     first = headed(FIRST, good)
     kinds: list[tuple[str, dict[str, str | bytes]]] = [
         ("both", {"lesson.ipynb": notebook(both)}),
-        ("both", {"first.lrp": first, "lamp.lrp": headed(LAMP, lamp)}),
-        ("both", {"all.zip": zipped({"a/first.lrp": first, "a/b/x.LRP": headed(LAMP, lamp)})}),
-        ("both", {"first-move.lrp": good, "lamp.lrp": disguised(lamp)}),  # named by their files
+        ("both", {"first.lrp": first, "bump.lrp": headed(SECOND, second)}),
+        ("both", {"all.zip": zipped({"a/first.lrp": first, "a/b/x.LRP": headed(SECOND, second)})}),
+        ("both", {"first-move.lrp": good, "bump-and-turn.lrp": disguised(second)}),  # named by their files
         (
             "both",
-            {"lesson.ipynb": notebook({FIRST: good, LAMP: given[LAMP]}), "lamp.lrp": headed(LAMP, lamp)},
+            {
+                "lesson.ipynb": notebook({FIRST: good, SECOND: given[SECOND]}),
+                "bump.lrp": headed(SECOND, second),
+            },
         ),
         ("first", {"mine.txt": first}),
         ("first", {"MINE.LRP": first}),
@@ -95,8 +98,8 @@ def make(folder: Path) -> dict[str, str]:
         ("given", {"lesson.ipynb": notebook({FIRST: given[FIRST]})}),
         ("weak", {"mine.lrp": headed(FIRST, weak[0])}),
         ("weak", {"mine.lrp": headed(FIRST, weak[1])}),
-        ("weak", {"mine.lrp": headed(LAMP, weak_lamp[0])}),
-        ("weak", {"mine.lrp": headed(LAMP, weak_lamp[1])}),
+        ("weak", {"mine.lrp": headed(SECOND, weak_second[0])}),
+        ("weak", {"mine.lrp": headed(SECOND, weak_second[1])}),
         ("text", {"mine.lrp": headed(FIRST, "(machine m (state a)")}),
         ("hang", {"mine.lrp": headed(FIRST, hang)}),
         ("crash", {"mine.lrp": headed(FIRST, crash)}),
@@ -128,7 +131,18 @@ def worksheet(separator: str = ",") -> str:
     """Return the table that Moodle wants back; two rows are of students who have handed in nothing."""
     comma = separator == ";"
     most = "100,00" if comma else "100.00"
-    head = ["Identifier", "Full name", "Email address", "Status", "Grade", "Maximum Grade", "Grade can be changed", "Last modified (submission)", "Last modified (grade)", "Feedback comments"]
+    head = [
+        "Identifier",
+        "Full name",
+        "Email address",
+        "Status",
+        "Grade",
+        "Maximum Grade",
+        "Grade can be changed",
+        "Last modified (submission)",
+        "Last modified (grade)",
+        "Feedback comments",
+    ]
     rows = [head]
     for number, student in enumerate([*STUDENTS, "Nobody There", "Else Where"]):
         mail = f"{number}@school.example"
@@ -140,7 +154,7 @@ def worksheet(separator: str = ",") -> str:
 
 def canvas() -> str:
     """Return Canvas's gradebook, in which names are the other way round."""
-    rows = ["Student,ID,SIS User ID,SIS Login ID,Section,First Move (77),Lamp (78),Current Score"]
+    rows = ["Student,ID,SIS User ID,SIS Login ID,Section,First Move (77),Bump and Turn (78),Current Score"]
     rows.append("    Points Possible,,,,,5.00,10.00,(read only)")
     for number, student in enumerate(STUDENTS):
         first, _, last = student.partition(" ")
