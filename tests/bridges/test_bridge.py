@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 import threading
 from collections import namedtuple
 from dataclasses import dataclass
@@ -352,6 +353,22 @@ def test_a_wrong_argument_is_refused_with_the_right_one(cart: Any) -> None:
     with pytest.raises(BridgeError, match="must be a number, not 'fast'"):
         cart.robot.move(linear="fast")
     assert cart.sent == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("fast", "not 'fast' (a text)."),
+        ("0.2", "not '0.2' (a text). Write 0.2 without quotes."),
+        ((0, 15), "not (0, 15) (a tuple). A decimal number has a point: 0.15."),
+        (True, "not True (a truth value)."),
+    ],
+)
+def test_what_is_not_a_number_is_refused_by_the_name_that_the_program_uses(wrong: Any, message: str) -> None:
+    with pytest.raises(BridgeError, match=f"^{re.escape(f'`linear` must be a number, {message}')}$"):
+        Twist(linear=wrong)
+    with pytest.raises(BridgeError, match=f"^{re.escape(f'`msg.linear.x` must be a number, {message}')}$"):
+        Twist().linear.x = wrong
 
 
 def test_a_method_that_fails_is_a_bridge_error_with_its_cause(bare: Bare) -> None:
