@@ -42,7 +42,10 @@ def repaired(text: str, code: str, **names: object) -> str:
         ("LRP537", "robot.drive_to(120, 0)", "robot.drive_to(1.2, 0)"),
         ("LRP537", "import math; print(degrees(math.pi / 2))", "import math; print(math.pi / 2)"),
         ("LRP537", "import math; print(math.sin(90))", "import math; print(math.sin(degrees(90)))"),
+        ("LRP537", "robot.turn_by(degrees(1.57))", "robot.turn_by(1.57)"),
+        ("LRP537", "import math; robot.turn_by(math.degrees(90))", "import math; robot.turn_by(degrees(90))"),
         ("LRP518", "robot.turn_by(0,5)", "robot.turn_by(0.5)"),
+        ("LRP518", "robot.say('{robot.light.data}')", "robot.say(f'{robot.light.data}')"),
         ("LRP539", "robot.move(linear=0.2); robot.move(angular=1)", "robot.move(linear=0.2, angular=1)"),
     ],
 )  # fmt: skip
@@ -76,6 +79,18 @@ def test_what_is_compared_is_in_the_units_of_the_robot(code: str, wrong: str, ri
         ("LRP537", "so `< 1` is hardly ever true. Compare it", "robot.light.data < 1"),
         ("LRP526", "almost never exactly `0.2`. Compare with `<` or `>`.", "robot.distance.data == 0.2"),
         ("LRP526", "almost never exactly `degrees(90)`.", "robot.gyro.data == degrees(90)"),
+        (
+            "LRP526",
+            "cannot be above 100 and below 50, so",
+            "robot.light.data < 50 and robot.light.data > 100",
+        ),
+        ("LRP526", "cannot be above 50 and below 40, so", "50 < robot.light.data < 40"),
+        (
+            "LRP526",
+            "above 50 or below 100, so this is always",
+            "robot.light.data < 100 or robot.light.data > 50",
+        ),
+        ("LRP527", "any number but 0 counts as true.", "not robot.light.data"),
         ("LRP526", "`elapsed` is measured, so it is almost never exactly `2`.", "elapsed == 2"),
     ],
 )
@@ -129,6 +144,12 @@ def test_a_variable_is_mended_where_it_gets_its_value(
         {"condition": "robot.light.data == 255 or robot.light.data < 1.5"},
         {"condition": "robot.gyro.data > degrees(1000)"},
         {"condition": "robot.odom.x > 20"},
+        {"condition": "40 < robot.light.data < 50 or robot.light.data > 200"},
+        {"condition": "robot.light.data < 50 or robot.light.data > 100"},
+        {"condition": "robot.light.data > 50 and robot.light.data < 100"},
+        {"condition": "robot.light.data < 50 and (robot.light.data > 100 or robot.bumper.data)"},
+        {"action": "robot.say('{robot.light.data}'.format(robot=robot) + '{number}')"},
+        {"action": "number = 0.2\nif robot.bumper.data: number += 1\nrobot.move(linear=number)"},
         {"condition": "elapsed > 30"},
         {"condition": "elapsed * 1000 > 2000"},
     ],
@@ -195,3 +216,12 @@ def test_a_loop_of_commands_is_one_command() -> None:
     assert finding.message.endswith("with a transition `(on [robot.drive_by.succeeded] …)` between them.")
     (finding,) = check(program(action="robot.move(linear=0.2)] [robot.stop()"))
     assert (finding.code, finding.fix) == ("LRP539", None)
+
+
+def test_what_counts_from_the_same_number_at_every_tick_is_no_counter() -> None:
+    (finding,) = check(program(action="number = 0; number += 1"))
+    assert finding.code == "LRP544"
+    assert finding.message.endswith("Move this line into `onentry`.")
+    (finding,) = check(program(action="laps = 0\nlaps = laps + 1\nprint(laps)"))
+    assert finding.code == "LRP544"
+    assert finding.message.endswith("Declare `(var laps := [0])`, and remove this line.")

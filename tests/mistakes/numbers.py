@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 from lrp_jupyter import programs
 
-from .inside import ACTIONS, Place, in_worlds, places, words
+from .inside import ACTIONS, CONDITIONS, Place, in_worlds, places, words
 from .planting import Slip, kind, slip
 from .sources import Form, Source
 
@@ -187,6 +187,23 @@ def _(source: Source) -> Iterator[Slip]:
             if inner.keyword == "running" and state not in variables:
                 for _, _, end in inner.of("BLOCK"):
                     yield slip(end - 1, end - 1, f"; state = {state}")
+
+
+in_worlds("text without its `f`", r"\brobot\.(stop|lamp)\([^()]*\)$", r'print("{robot.gyro.data}")', *ACTIONS)
+_numbers(
+    "robot: bounds that exclude each other",
+    rf"\b(?P<all>robot\.(?:light|distance)\.data < (?P<n>{NUMBER}))$",
+    lambda number: (
+        f"robot.light.data < {number / 4:g} and robot.light.data > {number:g}" if number > 9 else None
+    ),
+    *CONDITIONS,
+)
+
+
+@kind("inside: a counter that begins again")
+def _(source: Source) -> Iterator[Slip]:
+    for found in places(source, r"(?:^|\A)( *)(\w+) \+= 1$", "running"):
+        yield slip(found.start, found.start, f"{found.match[1]}{found.match[2]} = 0; ".lstrip())
 
 
 # Names of states

@@ -25,6 +25,7 @@ from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
 from lrp_jupyter.language.checks.replaced_commands import check_commands
 from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.checks.restarts import check_restarts
 from lrp_jupyter.language.checks.unseen import check_unseen
 from lrp_jupyter.language.checks.waiting import check_waiting
 from lrp_jupyter.language.parser import scan
@@ -71,6 +72,7 @@ def check(
     check_clocks(report, resolution)
     check_acting(report, resolution)
     check_commands(report, resolution, robot)
+    check_restarts(report, resolution)
     check_tasks(report, resolution, robot)
     check_unseen(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import Any
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.checks.contradictions import contradictions
 from lrp_jupyter.language.checks.uses import SIGNS
 from lrp_jupyter.language.python.block_suite import children
 from lrp_jupyter.language.source import Diagnosis
@@ -148,6 +151,15 @@ def _alternatives(node: ast.BoolOp, places: Offsets) -> Iterator[Diagnosis]:
     yield Diagnosis(start, end, "LRP527", message, tuple(edits))
 
 
+def _unfilled(node: ast.Constant, places: Offsets) -> Iterator[Diagnosis]:
+    """Find `"light {robot.light.data}"`, which is no f-string."""
+    start, end = places.start_of(node), places.end_of(node)
+    is_plain = places.source[start : start + 1] in ("'", '"')
+    if is_plain and _FILLED.search(str(node.value)) and not places.source.startswith(".format", end):
+        message = "Braces in a text have no meaning without an `f` before it. Write `f` before the quote."
+        yield Diagnosis(start, end, "LRP518", message, (Edit(start, start, "f"),))
+
+
 def _power(node: ast.BinOp, places: Offsets) -> Iterator[Diagnosis]:
     right = node.right
     if isinstance(node.op, ast.BitXor) and isinstance(right, ast.Constant) and right.value in (2, 3, 0.5):
@@ -158,12 +170,14 @@ def _power(node: ast.BinOp, places: Offsets) -> Iterator[Diagnosis]:
             yield Diagnosis(at, at + 1, "LRP518", message, (Edit(at, at + 1, "**"),))
 
 
+_FILLED = re.compile(r"\{robot\.\w+(\.\w+)*(:[^{}]*)?\}")
 _FINDERS: dict[type[ast.AST], Callable[[Any, Offsets], Iterator[Diagnosis]]] = {
     ast.Assign: _assign,
     ast.AugAssign: lambda node, places: _comma(node.value, places),
     ast.AnnAssign: _annotated,
     ast.Expr: _statement,
-    ast.Compare: _compare,
-    ast.BoolOp: _alternatives,
+    ast.Compare: lambda node, places: chain(_compare(node, places), contradictions(node, places)),
+    ast.BoolOp: lambda node, places: chain(_alternatives(node, places), contradictions(node, places)),
+    ast.Constant: _unfilled,
     ast.BinOp: _power,
 }

@@ -350,7 +350,10 @@ class _Python:
             (kind, span), wanted = facts.literal, _WANTED[place.purpose]
             if kind != wanted:
                 problem = f"A {place.purpose} must be {wanted}, not {kind}"
-                self._add("LRP508", place, span, f"{problem}. Write an expression that returns one.")
+                remedy = "Write an expression that returns one"
+                if kind == "a tuple" and place.purpose == "condition":
+                    remedy = "Write `and` or `or` for the comma"
+                self._add("LRP508", place, span, f"{problem}. {remedy}.")
 
     def _tested_delay(self, place: PlacedBlock, test: Span) -> None:
         """Report a comparison as a delay, with the keyword for conditions as its fix."""

@@ -22,12 +22,13 @@ from lrp_jupyter.language.robot_members import Limits, Parameters, RobotMember, 
 
 _TURNS = 4 * math.pi
 """Radians beyond which a number is rather one of degrees: two turns."""
+_EIGHTH = math.pi / 4
 _LONG = 500
 """Seconds from which on a number is rather one of milliseconds."""
 _COARSE = 100
 """The length of a range from which on a number up to 1 is rather a share of it."""
 _BETWEEN = "Compare it with a number in between"
-_ANGLES = frozenset({"sin", "cos", "tan"})
+_ANGLES = frozenset({"sin", "cos", "tan", "degrees"})
 
 
 def check_quantities(report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
@@ -252,6 +253,8 @@ class _Quantities:
         for name, number, span in _trigonometry(place.block.text):
             message = f"`{name}` takes an angle in radians, and {number:g} rad are {_turns(number)}."
             meant = f"degrees({number:g})"
+            if name.endswith("degrees"):
+                message = f"`{name}` converts radians into degrees, and robots turn by radians."
             at_number = _Number(number, place.block.at(span), "", f"{number:g}")
             self._add("LRP537", at_number, f"{message} For {number:g} degrees, write `{meant}`.", meant)
 
@@ -295,7 +298,10 @@ def _converted(text: str, radians: frozenset[str]) -> tuple[tuple[Span, str, _Ed
         is_call = isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "degrees"
         if not is_call or not isinstance(node, ast.Call) or len(node.args) != 1 or node.keywords:
             continue
+        number = number_of(node.args[0])
         what = _in_radians(node.args[0], radians)
+        if number is not None and number % 1 and abs(number / _EIGHTH - round(number / _EIGHTH)) < 0.01:
+            what = f"`{number:g}`"
         if what:
             whole, inner = block.span(node), block.span(node.args[0])
             edits = [Edit(whole.start, inner.start, ""), Edit(inner.end, whole.end, "")]
@@ -330,5 +336,6 @@ def _trigonometry(text: str) -> tuple[tuple[str, float, Span], ...]:
             module, _, name = whole.rpartition(".")
             number = number_of(node.args[0])
             if module == "math" and name in _ANGLES and number is not None and abs(number) > _TURNS:
-                found.append((ast.unparse(node.func), number, block.span(node.args[0])))
+                place = node if name == "degrees" else node.args[0]
+                found.append((ast.unparse(node.func), number, block.span(place)))
     return tuple(found)

@@ -41,6 +41,8 @@ _WORDS = by_word(
     }
 )
 """What is meant by other words for what robots do and read."""
+_EXAMPLES = {"rad": "(degrees(90))", "m": "(0.5)"}
+_DONE = frozenset({"done", "finished", "complete", "completed", "ready", "success", "over", "ended"})
 _KINDS = {"int": "number", "float": "number", "number": "number", "bool": "truth value", "str": "text"}
 _ARTICLES = {"number": "a number", "truth value": "`True` or `False`", "text": "a text"}
 _TYPES: dict[str, type] = {"int": int, "float": float, "bool": bool, "str": str, "tuple": tuple}
@@ -120,6 +122,8 @@ def _unknown(use: NameUse, members: RobotMembers, around: str, index: int) -> Re
         fix = Fix(f"Change to `robot.{elsewhere[0]}`", (Edit(start, span.end, elsewhere[0]),))
         return Remedied("LRP520", span, f"`{what}` has no `{name}`. Write `robot.{elsewhere[0]}`.", fix)
     meant = _by_arguments(use, members, around) or meant
+    if meant is None and around in members.tasks and name.lower() in _DONE:
+        meant = "succeeded"
     said = _WORDS.get(name.lower(), "") if meant is None and not around else ""
     root, bracket, _ = said.partition("(")
     fits = bool(bracket) == (use.role == "called") and len(use.names) == 1
@@ -229,6 +233,9 @@ def _reading(use: NameUse, member: RobotMember, is_condition: bool) -> Remedied 
         return Remedied("LRP523", use.span, message)
     if use.role == "stated":
         return Remedied("LRP507", use.span, f"This only reads `{path}` and does nothing with it. Remove it.")
+    if use.role == "tested" and kind == "number" and member.limits is not None:
+        message = f"`{path}` is a number, and any number but 0 counts as true. Compare it with a number."
+        return Remedied("LRP527", use.span, message)
     if use.role == "value" and is_condition and kind in ("number", "text"):
         what = _ARTICLES[kind]
         message = f"A condition is `True` or `False`, but `{path}` is {what}. Compare it with {what}."
@@ -302,7 +309,8 @@ def _method(
     is_plain = not (parameters.names or parameters.required)
     fix = Fix("Insert `()`", (Edit(end, end, "()"),)) if is_plain else None
     if use.role == "stated":
-        example = "(linear=0.2)" if "linear" in parameters.names else parameters.text
+        first = parameters.units.get(parameters.required[0], "") if len(parameters.required) == 1 else ""
+        example = _EXAMPLES.get(first, "(linear=0.2)" if "linear" in parameters.names else parameters.text)
         written = f"{path}()" if is_plain else f"{path}{example}"
         message = f"This only names `{path}` and does nothing. Write `{written}` to call it, or remove it."
         return Remedied("LRP507", use.span, message, fix)

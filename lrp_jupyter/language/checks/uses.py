@@ -86,7 +86,7 @@ SIGNS: dict[type[ast.cmpop], str] = {
     ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
 }  # fmt: skip
 _EQUALITIES: dict[type[ast.cmpop], str] = {ast.Is: "==", ast.IsNot: "!="}
-_MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
+MIRRORED: dict[str, str] = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 _NEEDS = (ast.Attribute, ast.Subscript, ast.Compare, ast.Assign, ast.AugAssign, ast.AnnAssign, ast.NamedExpr)
 _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number", str: "text"}
 
@@ -195,7 +195,7 @@ class _Uses:
         signs = [SIGNS.get(type(sign), _EQUALITIES.get(type(sign), "")) for sign in node.ops]
         at = next(index for index, each in enumerate(operands) if each is operand)
         around = [(signs[at], operands[at + 1])] if at < len(signs) else []
-        around += [(_MIRRORED.get(signs[at - 1], signs[at - 1]), operands[at - 1])] if at else []
+        around += [(MIRRORED.get(signs[at - 1], signs[at - 1]), operands[at - 1])] if at else []
         return tuple(self._written(sign, other) for sign, other in around if sign)
 
     def _written(self, sign: str, other: ast.expr) -> Beside:
