@@ -153,6 +153,18 @@ def test_a_lap_needs_the_faster_drive_and_the_faster_search_that_its_plan_names(
     assert grade(_with(fast, search=1.5), "lap")
 
 
+def test_gains_between_those_that_the_plan_names_keep_the_distance_and_others_do_not():
+    said = re.search(r"Gains from ([\d.]+) to ([\d.]+) pass", _plans())
+    assert said is not None
+    solution = (SOLUTIONS / "keep-your-distance.lrp").read_text(encoding="utf-8")
+    small, large = float(said[1]), float(said[2])
+    passed = {}
+    for gain in (small / 2, small, large, 2 * large):
+        _, jobs = jobs_of(_with(solution, gain=gain), "keep your distance")
+        passed[gain] = attempt(jobs[-1]).passed
+    assert list(passed.values()) == [False, True, True, False]
+
+
 @pytest.mark.slow
 def test_the_gap_helps_the_robust_follower_as_much_as_its_plan_says():
     said = re.search(r"(\d+) of 50 pass with a `gap` of (\d+)", _plans())

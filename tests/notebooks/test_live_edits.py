@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from itertools import pairwise
+from types import SimpleNamespace
 
-from stored import NOTEBOOKS, challenge_of, opened_program, options_of, read, sources
+import pytest
+from stored import NOTEBOOKS, challenge_of, opened_program, options_of, read, sources, texts_of
 
 from lrp_jupyter import Session
+from lrp_jupyter.grading import Challenge
+from lrp_jupyter.grading.attempt import attempt
+from lrp_jupyter.grading.grade import jobs_of
+from lrp_jupyter.sim.world import RobotSpec, World
 
 
 class Typist:
@@ -782,3 +789,223 @@ def test_one_machine_drives_two_robots_each_with_its_own_speed_and_sensor():
     backs = [pair.runs(0.1) and speeds() for _ in range(60)]
     assert [0.15, -0.3] in backs
     assert not pair.session.issues
+
+
+# -- 14: where am I ------------------------------------------------------------------------------------
+
+WHERE = "14-where-am-i"
+STRAIGHT_ON = "robot.move(linear=0.2)"
+
+
+def _pacer() -> Typist:
+    names: dict[str, object] = {}
+    exec(sources(read(NOTEBOOKS / f"{WHERE}.ipynb"), "code")[0].replace("%load_ext lrp_jupyter", ""), names)
+    return Typist(WHERE, "pacer", bridge=names["Worn"]())
+
+
+def _beside(pacer: Typist) -> float:
+    """Return how far the robot is beside its way when it has come to its end, in metres to the left."""
+    assert pacer.resets().comes_to("there")
+    return pacer.session.bridge.simulation.robot.pose[1] - 1.5
+
+
+def test_the_pacer_bends_off_and_its_odometry_does_not_notice_that_it_is_lifted():
+    pacer = _pacer()
+    assert 0.55 < _beside(pacer) < 0.65
+    assert "60 cm beside its way" in pacer.said
+    read = pacer.runs(0.2).session.bridge.robot
+    assert (read.odom.y, read.gyro.data) == pytest.approx((0.59, 0.46), abs=0.02)
+    before = read.odom.x, read.odom.y
+    pacer.places(1, 2).runs(0.2)
+    assert (read.odom.x, read.odom.y) == pytest.approx(before)
+
+
+def test_feedback_keeps_the_pacer_on_its_course_and_leads_it_to_another():
+    pacer = _pacer()
+    pacer.types("robot.move(linear=0.2, angular=0 - robot.gyro.data)", instead_of=STRAIGHT_ON)
+    weakly = _beside(pacer)
+    pacer.types("3 * (0 - robot.gyro.data)", instead_of="0 - robot.gyro.data")
+    assert 0 < _beside(pacer) < weakly / 2 < 0.05
+    pacer.resets().types("(var course := [0])", before="(var length").runs(1)
+    before = pacer.restarts
+    pacer.types("3 * (course - robot.gyro.data)", instead_of="3 * (0 - robot.gyro.data)")
+    assert pacer.restarts == before + 1
+    assert 0 < _beside(pacer) < 0.05
+    before = pacer.resets().runs(3).restarts
+    assert "`degrees(20)` instead of `0` after `course :=`" in pacer.said
+    pacer.session.edit(pacer.session.text.replace("course := [0]", "course := [degrees(20)]"))
+    assert pacer.runs(3).restarts == before
+    assert pacer.session.bridge.robot.gyro.data == pytest.approx(math.radians(20), abs=0.02)
+
+
+def test_odometry_drifts_and_the_gyro_does_not():
+    printed = "".join(map(texts_of, read(NOTEBOOKS / f"{WHERE}.ipynb").cells))
+    rows = re.findall(r"wrong by ([\d.]+) m and (\d+)°, the gyro by (\d+)°", printed)
+    assert len(rows) == 3
+    away, turned, gyro = zip(*[tuple(map(float, row)) for row in rows], strict=True)
+    assert list(away) == sorted(away)
+    assert turned[-1] > 5
+    assert max(gyro) < 3
+
+
+@pytest.mark.parametrize("battery", [1, 0.7])
+def test_a_bend_ends_by_the_gyro_and_has_its_radius_whatever_the_battery_does(battery: float):
+    bend = "robot.move(linear=0.2, angular=0.2 / 0.3)"
+    assert f"`{bend}`, until `robot.gyro.data > degrees(180)`" in _pacer().said
+    world = World((2, 2), (RobotSpec((1, 0.5, 0), wheels=(battery, battery)),))
+    text = f"""(machine m (state bend (running [{bend}])) (state done (onentry [robot.stop()]))
+      (on [robot.gyro.data > degrees(180)] bend -> done)) (spawn m bend)"""
+    session = Session(text, "sim", world=world)
+    assert session.run(20, until="done")
+    assert session.bridge.simulation.robot.pose[1] - 0.5 == pytest.approx(0.6, abs=0.03)
+
+
+# -- 15: how much --------------------------------------------------------------------------------------
+
+KEEPER = "15-how-much"
+
+
+def _at(keeper: Typist, metres: float) -> Typist:
+    """Put the robot so far from the wall, in the middle of the room."""
+    return keeper.places(3 - 0.08 - metres, 1)
+
+
+def _errors(keeper: Typist, since: float = 0) -> list[float]:
+    (error,) = keeper.session.plots(["error"])
+    return [value for time, value in zip(error.times, error.values, strict=True) if time >= since]
+
+
+def test_the_speed_of_the_keeper_is_in_proportion_to_its_error():
+    keeper = Typist(KEEPER)
+    for metres, speed in ((1.5, 0.5), (0.6, 0.05), (0.3, -0.1)):
+        _at(keeper, metres).runs(0.1)
+        assert keeper.session.bridge.simulation.robot.command[0] == pytest.approx(speed, abs=0.001)
+    assert "0.5 m/s, 0.05 m/s, and -0.1 m/s" in keeper.said
+
+
+def test_the_error_of_the_keeper_falls_ever_more_slowly():
+    keeper = Typist(KEEPER, seconds=7)
+    assert _errors(keeper)[-1] > 0.02
+    assert "After about eight seconds the error is less than 2 cm" in keeper.said
+    assert _errors(keeper.runs(1))[-1] < 0.02
+    assert all(after <= before + 1e-9 for before, after in pairwise(_errors(keeper)))
+
+
+def test_two_speeds_alone_never_bring_the_keeper_to_rest():
+    keeper = Typist(KEEPER, seconds=1)
+    keeper.types("(0.2 if error > 0 else -0.2)", instead_of="gain * error").runs(20)
+    assert keeper.restarts == 1
+    commands = [keeper.runs(0.1).session.bridge.simulation.robot.command[0] for _ in range(20)]
+    assert set(commands) == {0.2, -0.2}
+
+
+def test_the_gain_makes_the_keeper_quick_or_slow_or_lets_it_tremble():
+    keeper = Typist(KEEPER, seconds=10)
+    text = keeper.session.text
+    times = {}
+    for gain in ("2", "0.2", "20"):
+        assert f"`{gain}` instead of" in keeper.said
+        keeper.session.edit(text.replace("gain := [0.5]", f"gain := [{gain}]"))
+        began = keeper.session.frame.time
+        _at(keeper, 1.5).runs(30)
+        errors = _errors(keeper, began + 0.15)
+        times[gain] = next(index for index, error in enumerate(errors) if abs(error) < 0.02) / 10
+        assert (max(errors[-20:]) - min(errors[-20:]) > 0.02) == (gain == "20"), "it trembles"
+    assert keeper.restarts == 0
+    assert times["2"] < 5
+    assert 15 < times["0.2"] < 25
+
+
+def test_the_numbers_of_the_keeper_are_written_for_a_spreadsheet(tmp_path, monkeypatch):
+    keeper = Typist(KEEPER, seconds=3)
+    (cell,) = (
+        source for source in sources(read(NOTEBOOKS / f"{KEEPER}.ipynb"), "code") if "import csv" in source
+    )
+    monkeypatch.chdir(tmp_path)
+    lab = SimpleNamespace(session=keeper.session)
+    exec(cell.replace("from lrp_jupyter import Lab", ""), {"Lab": {"keeper": lab}.__getitem__})
+    with open("error.csv", newline="") as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["seconds", "metres"]
+    assert [float(error) for _, error in rows[1:]] == pytest.approx(_errors(keeper))
+
+
+def test_the_table_of_gains_is_as_the_lesson_explains_it():
+    (printed,) = (text for cell in read(NOTEBOOKS / f"{KEEPER}.ipynb").cells if (text := texts_of(cell)))
+    rows = re.findall(r"gain +([\d.]+): within 2 cm after +([\d.]+) s, ([\d.]+) cm beyond", printed)
+    beyond = {float(gain): float(far) for gain, _, far in rows}
+    assert [gain for gain, far in beyond.items() if far > 0] == [20]
+
+
+@pytest.mark.parametrize(("gain", "weaves"), [(3, False), (15, False), (25, True)])
+def test_the_robot_of_lesson_14_weaves_with_a_large_gain(gain: int, weaves: bool):
+    pacer = _pacer()
+    steering = f"robot.move(linear=0.2, angular={gain} * (degrees(20) - robot.gyro.data))"
+    pacer.session.edit(pacer.session.text.replace(STRAIGHT_ON, steering))
+    headings = [pacer.runs(0.1).session.bridge.robot.gyro.data for _ in range(80)]
+    assert (max(headings[-20:]) - min(headings[-20:]) > 0.01) == weaves
+
+
+# -- 16: testing your own program ----------------------------------------------------------------------
+
+STOPPER = "16-testing-your-own-program"
+TRIED = "worlds=[room(1), room(3), room(0.1)]"
+FAILING = 'noise={"distance": 0.005, "dropout": 0.04}'
+BLIND = """(state blind
+    (onentry [robot.stop()])
+  )
+  (on [robot.distance.data > 1.9] driving -> blind)
+  (on [robot.distance.data < 1.9] blind -> driving)"""
+
+
+def _stopper() -> Typist:
+    return Typist(STOPPER, "stopper")
+
+
+def _tests(stopper: Typist, *typed: tuple[str, str]) -> dict[str, list[int]]:
+    """Type into the cell of the tests; return with which seeds each world fails."""
+    _, _, room, tests, *_ = sources(read(NOTEBOOKS / f"{STOPPER}.ipynb"), "code")
+    for new, old in typed:
+        assert f"`{new}`" in stopper.said, f"the notebook says nothing of {new}"
+        assert tests.count(old) == 1
+        tests = tests.replace(old, new)
+    names: dict[str, object] = {}
+    exec(room.replace("Lab, World, grade", "World"), names)
+    exec(tests.partition("print(")[0], names)
+    task = names["tests"]
+    assert isinstance(task, Challenge)
+    failed: dict[str, list[int]] = {}
+    for job in jobs_of(stopper.session.text, task)[1]:
+        made = attempt(job)
+        failed.setdefault(made.world, []).extend([] if made.passed else [made.seed])
+    return failed
+
+
+def test_the_stopper_is_tested_and_fails_where_the_lesson_says():
+    stopper = _stopper()
+    assert _tests(stopper) == {"wall after 1 m": []}
+    one = ("worlds=[room(1), room(3)]", "worlds=[room(1)]")
+    assert _tests(stopper, one) == {"wall after 1 m": [], "wall after 3 m": []}
+    three, noise = (TRIED, "worlds=[room(1)]"), (FAILING, 'noise={"distance": 0.005}')
+    only_near = {"wall after 1 m": [], "wall after 3 m": [], "wall after 0.1 m": [1]}
+    assert _tests(stopper, three) == only_near
+    assert _tests(stopper, three, noise) == only_near
+    failed = _tests(stopper, three, noise, ("seeds=range(10)", "seeds=[1]"))
+    assert failed["wall after 1 m"][0] == 0
+    assert 1 not in failed["wall after 1 m"] + failed["wall after 3 m"]
+    assert failed["wall after 0.1 m"] == list(range(10))
+
+
+def test_a_repair_of_the_stopper_breaks_what_had_passed_and_the_next_one_does_not():
+    stopper = _stopper()
+    kept = (TRIED, "worlds=[room(1)]"), (FAILING, 'noise={"distance": 0.005}'), ("seeds=[0, 1]", "seeds=[1]")
+    near = {"wall after 0.1 m": [0, 1]}
+    assert _tests(stopper, *kept) == {"wall after 1 m": [0], "wall after 3 m": [0], **near}
+    stopper.types(BLIND, before="(on near")
+    assert not stopper.found
+    assert _tests(stopper, *kept) == {"wall after 1 m": [], "wall after 3 m": [0, 1], **near}
+    slowly = "(running [robot.move(linear=0.08)])"
+    blind = BLIND.replace("(onentry [robot.stop()])", slowly)
+    assert f"`{slowly}` instead of the `(onentry [robot.stop()])` of `blind`" in stopper.said
+    stopper.session.edit(stopper.session.text.replace(BLIND, blind))
+    assert _tests(stopper, *kept) == {"wall after 1 m": [], "wall after 3 m": [], **near}

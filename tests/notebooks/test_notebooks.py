@@ -204,7 +204,7 @@ def test_a_lesson_has_all_its_parts(path: Path):
 
 
 def test_the_lessons_are_numbered_and_lead_to_each_other():
-    assert [int(path.stem[:2]) for path in LESSONS] == list(range(14))
+    assert [int(path.stem[:2]) for path in LESSONS] == list(range(17))
     for path, following in pairwise(LESSONS):
         number = int(following.stem[:2])
         assert f"Next: [{number} · {_title(following)}]({following.name})" in prose(read(path))

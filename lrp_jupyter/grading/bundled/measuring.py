@@ -116,7 +116,7 @@ EXACT_WAY = Challenge(
     noise={"motor": 0.08, "odom": 0.02, "gyro": 0.01},
     seeds=6,
     starter=starter("exact way"),
-    vary=wears(speed=0.4, wheels=0.04),
+    vary=(wears(speed=0.4, wheels=0.04),),
 )
 
 
