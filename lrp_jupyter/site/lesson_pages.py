@@ -36,8 +36,10 @@ def write_lessons(lessons: Sequence[Lesson], site: Path, version: str) -> None:
     for before, lesson, after in zip([None, *lessons], lessons, [*lessons[1:], None], strict=False):
         body = "\n".join(_sections(lesson))
         body = _NOTEBOOK.sub(lambda found: _address(found[1], found[2] or "", names), body)
+        own = _address(lesson.name, "", set())
         links = (
-            _link(before, "prev", "← {}") + '<a href="index.html">Lessons</a>' + _link(after, "next", "{} →")
+            f'{_link(before, "prev", "← {}")}<a href="index.html">Lessons</a><a {own}>As a notebook</a>'
+            f"{_link(after, 'next', '{} →')}"
         )
         _write(folder / f"{lesson.name}.html", lesson.title, body, links, version)
     listed = "".join(

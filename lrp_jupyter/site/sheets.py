@@ -110,7 +110,7 @@ def _asked(section: Section) -> str:
     html = _markdown(section)
     if "<ol>" in html:
         return html.replace("</li>", f"{_lines(2)}</li>")
-    return html + _lines(4)
+    return html + _lines(3)
 
 
 def _tried(section: Section) -> str:
@@ -188,7 +188,7 @@ def _blocks(markdown: str) -> Iterator[str]:
     """Yield paragraphs, tables and programs, without answers, links, and the way to the next lesson."""
     text = _LINK.sub(r"\1", _ANSWER.sub("", markdown))
     for found in _BLOCK.finditer(text):
-        if not found[0].startswith("Next: "):
+        if not found[0].startswith(("Next: ", "Exercises: ")):
             yield found[0].rstrip()
 
 
