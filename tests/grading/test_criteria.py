@@ -8,9 +8,11 @@ from support.tables import every
 from lrp_jupyter.grading.criteria import (
     avoids,
     backs_off,
+    backs_off_at_bumps,
     blinks,
     bumps,
     bumps_in,
+    drives_differently,
     drives_on,
     drives_smoothly,
     drives_straight,
@@ -70,7 +72,27 @@ IN_A, IN_B = ((("m", state, "part", "on"),) for state in "ab")
 
 
 def touching(*spans):
-    return lambda time: frozenset({"wall"} if any(a <= time < b for a, b in spans) else ())
+    return lambda time: frozenset({"wall"} if _is_in(time, spans) else ())
+
+
+def pressing(*spans):
+    return {"touched": touching(*spans), "bumper": lambda time: _is_in(time, spans)}
+
+
+def _is_in(time, spans):
+    return any(a <= time < b for a, b in spans)
+
+
+def _swaying(seconds):
+    return lambda time: 0.5 if time % (2 * seconds) < seconds else -0.5
+
+
+def _bouncing(time):
+    return -0.1 if 2.5 <= time < 3 else 0.1
+
+
+def _pressed(time):
+    return 2 <= time < 2.2
 
 
 TABLE = [
@@ -98,10 +120,27 @@ TABLE = [
     (bumps(2), run(5, v=0.1, touched=touching((1, 1.2), (3, 3.2))), 1, "it bumped twice"),
     (bumps(2), run(5, v=0.1, touched=touching((1, 1.2), (1.4, 4))), 0.5, "it bumped once"),
     (bumps(2, walls=2), run(5, touched=touching((1, 2), (3, 4))), 0.5, "into 1 of 2 walls"),
-    (never_pushes(1), run(5, v=0.1, touched=touching((1, 1.9))), 1, "it pushed for 0.9 s"),
-    (never_pushes(1), run(5, v=0.1, touched=touching((1, 3))), 0, "it pushed for 2.0 s"),
-    (never_pushes(1), run(5, v=-0.1, touched=touching((1, 3))), 1, "it never pushed"),
-    (bumps_in("a", "b"), run(2, bumper=True, active=(("m", "a"),)), 0.5, "never bumped in `b`"),
+    (never_pushes(1), run(5, v=0.1, **pressing((1, 1.9))), 1, "it pushed for 0.9 s"),
+    (never_pushes(1), run(5, v=0.1, **pressing((1, 3))), 0, "it pushed for 2.0 s"),
+    (never_pushes(1), run(5, v=0.1, touched=touching((1, 3))), 1, "it never pushed"),
+    (never_pushes(1), run(5, v=-0.1, **pressing((1, 3))), 1, "it never pushed"),
+    (never_pushes(1), run(9, v=lambda t: 0.1 * (t % 2 < 0.6), **pressing((1, 9)), x=1), 0, "for 2.7 s"),
+    (never_pushes(1), run(9, v=0.1, **pressing((1, 1.6), (3, 3.6), (5, 5.6))), 1, "pushed for 0.6 s"),
+    (backs_off_at_bumps(1), run(6, v=_bouncing, touched=touching((2, 2.2)), bumper=_pressed), 1, "each time"),
+    (
+        backs_off_at_bumps(1),
+        run(6, v=0.1, touched=touching((2, 2.2)), bumper=_pressed),
+        0,
+        "after 2.0 s",
+    ),
+    (backs_off_at_bumps(1), run(6, v=_bouncing), 0, "after 2.5 s, and had not bumped"),
+    (bumps_in("a", "b"), run(2, bumper=lambda t: t > 1, active=(("m", "a"),)), 0.5, "never bumped in `b`"),
+    (
+        bumps_in("a", "b"),
+        run(2, bumper=lambda t: t > 1, active=lambda t: (("m", "a" if t < 1.2 else "b"),)),
+        0.5,
+        "`b`",
+    ),
     (
         stops_at("wall", 1),
         run(5, v=lambda t: 0.1 * (t < 2.5), touched=touching((2, 5))),
@@ -109,6 +148,14 @@ TABLE = [
         "it stopped 0.4 s",
     ),
     (stops_at("wall", 1), run(5, v=0.1, touched=touching((2, 5))), 0, "it was still driving"),
+    (
+        stops_at("wall", 1),
+        run(5, v=lambda t: -0.2 * (2 <= t < 2.5), touched=touching((2, 2.2))),
+        0,
+        "10 cm away",
+    ),
+    (keeps_driving(1, until="wall"), run(5, v=lambda t: t < 2, touched=touching((2, 5))), 1, "never stood"),
+    (keeps_driving(1, until="wall"), run(5, v=lambda t: t < 2, touched=touching((4, 5))), 0, "for 1.9 s"),
     (finds_line(), run(2, lights=lambda t: (0 if t > 1 else 255,)), 1, "after 1.1 s"),
     (finds_line(), run(2), 0, "it never saw it"),
     (ends_near_line(0.1), run(1, x=2.05), 1, "5 cm away"),
@@ -131,6 +178,13 @@ TABLE = [
     ),
     (lit_while("drives", lambda now: now.command[0]), run(4, v=0.1), 0, "it was dark"),
     (lit_while("drives", lambda now: now.command[0]), run(4, lamp=True), 0, "it was lit"),
+    (lit_while("drives", lambda now: now.command[0]), run(4, v=lambda t: t % 1 < 0.15), 0, "it was dark"),
+    (
+        lit_while("drives", lambda now: now.command[0]),
+        run(4, v=lambda t: t > 1, lamp=lambda t: t > 1 and round(t * 10) % 2),
+        0,
+        "after 1.8 s it was dark",
+    ),
     (
         slows_to(0.5),
         run(6, v=lambda t: 0.2 if t < 3 else 0.1, version=lambda t: t > 3),
@@ -139,6 +193,39 @@ TABLE = [
     ),
     (slows_to(0.5), run(6, v=0.2, version=lambda t: t > 3), 0, "and then at 0.20 m/s"),
     (slows_to(0.5), run(6, v=lambda t: 0.2 if t < 3 else 0.1), 0, "it drives at 0.10 m/s"),
+    (
+        slows_to(0.5),
+        run(6, v=lambda t: 0.2 if t < 3 or t % 0.4 < 0.2 else 0, version=lambda t: t > 3),
+        0,
+        "then at 0.1",
+    ),
+    (drives_differently(), run(9, w=_swaying(2), version=lambda t: t > 5), 0, "as before the edit"),
+    (drives_differently(), run(9, w=_swaying(2)), 0, "no edit"),
+    (drives_differently(), run(2, v=0.2, version=lambda t: t > 1), 0, "as before the edit"),
+    (
+        drives_differently(),
+        run(9, v=lambda t: 0.2 if t < 5 else 0.205, w=_swaying(2), version=lambda t: t > 5),
+        0,
+        "as before",
+    ),
+    (
+        drives_differently(),
+        run(9, v=lambda t: 0.2 if t < 5 else 0.1, w=_swaying(2), version=lambda t: t > 5),
+        1,
+        "0.10 m/s",
+    ),
+    (
+        drives_differently(),
+        run(9, w=lambda t: _swaying(2 if t < 5 else 1)(t), version=lambda t: t > 5),
+        1,
+        "for 1.0 s",
+    ),
+    (
+        drives_differently(),
+        run(9, w=lambda t: _swaying(2)(min(t, 5)), version=lambda t: t > 5),
+        1,
+        "for 2.3 s",
+    ),
     (drives_on(0.5), run(6, v=0.2, version=lambda t: t > 3), 1, "58 cm after the edit"),
     (drives_on(0.5), run(6, v=0.2), 0, "0 cm after the edit"),
     (reused("part"), run(1, active=lambda t: IN_A if t < 0.5 else IN_B), 1, "`part` ran in `a` and in `b`"),

@@ -67,8 +67,10 @@ def _exercises_with(is_slow: Callable[[Exercise], bool]) -> pytest.MarkDecorator
 
 all_exercises = _exercises_with(lambda each: each.challenge in LONG)
 all_but_most_of_a_series = _exercises_with(
-    lambda each: each.challenge in LONG
-    or (each.notebook.parent.name == "exercises" and not each.challenge.endswith((".1", "bug 1")))
+    lambda each: (
+        each.challenge in LONG
+        or (each.notebook.parent.name == "exercises" and not each.challenge.endswith((".1", "bug 1")))
+    )
 )
 
 

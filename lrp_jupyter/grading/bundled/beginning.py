@@ -9,6 +9,7 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import edited, gets_away, keeps_driving, never_restarts, slows_to
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.variation import moves
 
 
 def _stayed(run: RunRecord) -> Iterator[str]:
@@ -38,6 +39,8 @@ def _other_speed(run: RunRecord) -> Iterator[str]:
         )
 
 
+_ANYWHERE = moves("robot", x=0.3, y=0.2, degrees=180)
+
 FIRST_MOVE = Challenge(
     "first move",
     "Drive: get 30 cm away from the place where the robot starts.",
@@ -47,6 +50,7 @@ FIRST_MOVE = Challenge(
     (_stayed,),
     noise={"motor": 0.02},
     seeds=3,
+    vary=(_ANYWHERE,),
     starter=starter("first move"),
 )
 
@@ -60,6 +64,7 @@ HALF_THE_SPEED = Challenge(
     (_other_speed,),
     noise={"motor": 0.02},
     seeds=3,
+    vary=(_ANYWHERE,),
     starter=starter("half the speed"),
     live=3,
 )

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.grading.bundled.common_hints import kept_pushing, longest_push, never_touched
+from lrp_jupyter.grading.bundled.common_hints import kept_pushing, never_touched
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import (
     backs_off,
+    backs_off_at_bumps,
     bumps,
     bumps_in,
     ends_still,
+    keeps_driving,
     lit_while,
     never_pushes,
     stops_at,
     touches,
 )
+from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.criteria.motion import backed
 from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import BoxSolid, Pose, RobotSpec, World
 
 
@@ -126,14 +130,19 @@ def _stayed_in_a_state(run: RunRecord) -> Iterator[str]:
     yield from never_touched(run)
 
 
+_ANYWHERE = moves("robot", x=0.2, y=0.2, degrees=180)
+_ANSWERS = backs_off_at_bumps(1)
+
 BUMP_AND_STAY = Challenge(
     "bump and stay",
     "Drive until the robot bumps into the wall. Stop there within a second, and stay.",
     tuple(map(_wall_ahead, (0.5, 0.9, 1.4))),
-    (touches("wall"), stops_at("wall", 1), ends_still(2)),
-    20,
+    (touches("wall"), keeps_driving(1, until="wall"), stops_at("wall", 1), ends_still(2)),
+    60,
     (_did_not_stay,),
     noise={"motor": 0.02},
+    seeds=3,
+    vary=(moves("robot", x=0.1, y=0.2, degrees=8),),
     starter=starter("bump and stay"),
 )
 
@@ -142,10 +151,12 @@ BUMP_AND_TURN = Challenge(
     "Drive about in the room: at each bump back off, turn, and drive on. Bump into three different walls, and"
     " never push against one for longer than a second.",
     _ROOMS,
-    (backs_off(2), bumps(3, walls=3), never_pushes(1)),
-    60,
+    (_ANSWERS, backs_off(2), bumps(3, walls=3), never_pushes(1)),
+    120,
     (_did_not_turn,),
     noise={"motor": 0.02},
+    seeds=3,
+    vary=(_ANYWHERE,),
     starter=starter("bump and turn"),
 )
 
@@ -154,10 +165,12 @@ LAMP = Challenge(
     "The robot bumps, backs off and turns. Light its lamp while it drives backward, and only then; let it do"
     " so three times.",
     _ROOMS,
-    (lit_while("drives backward", _drives_backward), backs_off(3)),
-    40,
+    (lit_while("drives backward", _drives_backward), _ANSWERS, backs_off(3)),
+    120,
     (_lit_wrongly,),
     noise={"motor": 0.02},
+    seeds=3,
+    vary=(_ANYWHERE,),
     starter=starter("lamp"),
 )
 
@@ -168,9 +181,11 @@ BUMP_OUT = Challenge(
     "The robot wanders about in three states. Whichever of `straight`, `left` and `right` is active at a"
     " bump, let the robot back off and wander on: it never pushes for longer than a second.",
     _ROOMS,
-    (bumps_in(*_WANDERING), backs_off(5), never_pushes(1)),
-    240,
+    (bumps_in(*_WANDERING), _ANSWERS, backs_off(5), never_pushes(1)),
+    480,
     (_stayed_in_a_state,),
     noise={"motor": 0.02},
+    seeds=3,
+    vary=(_ANYWHERE,),
     starter=starter("bump out of everything"),
 )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from lrp_jupyter.grading.criteria import sees_line, stops_once
-from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.grading.criteria.contact import longest_push
+from lrp_jupyter.grading.run_record import RunRecord
 
 
 def ignores(run: RunRecord, sensor: str, advice: str) -> Iterator[str]:
@@ -19,7 +19,7 @@ def never_touched(run: RunRecord) -> Iterator[str]:
     """Say that the robot never bumped, and what it did instead."""
     if run.touch():
         return
-    if run.stood > 3 and run.driven > 0.1:
+    if run.stood > 1 and run.driven > 0.1:
         yield (
             f"The robot stopped after {run.still_since:.1f} s, before it touched anything. Let the bumper"
             " decide when it stops, not the time: `[robot.bumper.data == 1]`."
@@ -31,29 +31,6 @@ def never_touched(run: RunRecord) -> Iterator[str]:
         )
     else:
         yield f"The robot drove {run.driven:.2f} m and never touched anything. Drive on until it bumps."
-
-
-class Push(NamedTuple):
-    """The robot pushes against a solid for some seconds."""
-
-    seconds: float
-    since: float
-    solid: str
-
-
-def longest_push(run: RunRecord) -> Push:
-    """Return the longest push of a run."""
-    return run.fold(_pushes, (Push(0.0, 0.0, ""), 0.0))[0]
-
-
-def _pushes(so_far: tuple[Push, float], now: Sample, _: Sample) -> tuple[Push, float]:
-    """Keep the longest push, and since when this one lasts."""
-    longest, since = so_far
-    if not now.touched or now.command[0] <= 0:
-        return longest, now.time
-    if now.time - since > longest.seconds:
-        return Push(now.time - since, since, min(now.touched)), since
-    return so_far
 
 
 def kept_pushing(run: RunRecord) -> Iterator[str]:

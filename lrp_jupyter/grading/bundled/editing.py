@@ -8,8 +8,16 @@ from itertools import pairwise
 from lrp_jupyter.grading.bundled.common_hints import restarted_or_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import drives_on, edited, never_restarts, touches_nothing, visits
+from lrp_jupyter.grading.criteria import (
+    drives_differently,
+    drives_on,
+    edited,
+    never_restarts,
+    touches_nothing,
+    visits,
+)
 from lrp_jupyter.grading.run_record import RunRecord, Sample
+from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
 
 
@@ -69,6 +77,11 @@ def _drove_on_little(run: RunRecord) -> Iterator[str]:
     yield from restarted_or_not_edited(run)
     if len(run.programs) > 1 and (reason := _DRIVES_ON.missing(run)):
         yield f"The edit has stopped the robot: {reason}. It has to drive on."
+    elif len(run.programs) > 1 and drives_differently().missing(run):
+        yield (
+            "The program is another one, but the robot drives as it did before. Which number makes it drive"
+            " faster, which one bends its curves, and which ones say how long they are?"
+        )
 
 
 _DRIVES_ON = drives_on(0.5)
@@ -90,14 +103,15 @@ SAFE_EDITS = Challenge(
 
 EDIT_IT_LIVE = Challenge(
     "edit it live",
-    "Change what the running program does, at least once: the robot drives on for half a metre, and the"
-    " program never restarts.",
+    "Change how the robot drives while the program runs: at another speed, in other curves, or with another"
+    " rhythm. It drives on for half a metre, and the program never restarts.",
     ("oval",),
-    (edited(), _DRIVES_ON, never_restarts()),
+    (edited(), drives_differently(), _DRIVES_ON, never_restarts()),
     120,
     (_drove_on_little,),
     noise={"motor": 0.02},
     seeds=3,
+    vary=(moves("robot", x=0.2, y=0.1, degrees=10),),
     starter=starter("edit it live"),
-    live=3,
+    live=3.5,  # in `right`, when both have been seen
 )

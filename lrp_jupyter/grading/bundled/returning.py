@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
-from lrp_jupyter.grading.bundled.common_hints import ignores, longest_push, lost_the_line, never_saw_the_line
+from lrp_jupyter.grading.bundled.common_hints import ignores, lost_the_line, never_saw_the_line
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import ends_still, touches, within
+from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import mirrored, moves
 from lrp_jupyter.programs import load

@@ -6,6 +6,7 @@ functions make criteria; a teacher writes more of them as ``Criterion(sentence, 
 """
 
 from lrp_jupyter.grading.criteria.contact import (
+    backs_off_at_bumps,
     bumps,
     bumps_in,
     keeps_distance,
@@ -42,6 +43,7 @@ from lrp_jupyter.grading.criteria.places import (
     visits,
 )
 from lrp_jupyter.grading.criteria.program_rules import (
+    drives_differently,
     drives_on,
     edited,
     enters,
@@ -60,11 +62,13 @@ __all__ = [
     "When",
     "avoids",
     "backs_off",
+    "backs_off_at_bumps",
     "blinks",
     "bumps",
     "bumps_in",
     "covers",
     "drives",
+    "drives_differently",
     "drives_on",
     "drives_smoothly",
     "drives_straight",

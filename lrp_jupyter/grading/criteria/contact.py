@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from functools import partial
+from typing import NamedTuple
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.motion import times_of
-from lrp_jupyter.grading.criteria.order import in_order, longest, reason_of
+from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.criteria.places import no_solid
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.live.running.frame import is_active
 from lrp_jupyter.sim.world import BoxSolid
 
 _APART = 0.5  # s; contacts that are closer are one bump
+_PLACE = 0.03  # m; a robot that comes no further away still pushes at the same place
+_AWAY = 0.06  # m; so far off, a robot has left what it has touched
 
 
 def touches(*solids: str) -> Criterion:
@@ -70,7 +73,7 @@ def bumps_in(*states: str) -> Criterion:
 
     def judge(run: RunRecord) -> Found:
         def collect(so_far: frozenset[str], now: Sample, before: Sample) -> frozenset[str]:
-            if not now.bumper:
+            if not now.bumper or before.bumper:
                 return so_far
             return so_far | {state for state in states if is_active(state, before.active)}
 
@@ -84,34 +87,99 @@ def bumps_in(*states: str) -> Criterion:
 
 
 def never_pushes(seconds: float) -> Criterion:
-    """Require that the robot never drives against anything for longer than this time."""
+    """Require that the robot never drives against anything for longer than this time, pauses left out.
+
+    Only what presses its bumper counts: along a wall beside it, it may drive.
+    """
 
     def judge(run: RunRecord) -> Found:
-        pushed = longest(run, lambda now, _: now.touched and now.command[0] > 0, "pushes for")
+        pushed = longest_push(run).seconds
         reason = f"it pushed for {pushed:.1f} s" if pushed else "it never pushed"
         return Found(pushed <= seconds + 1e-6, reason)
 
     return Criterion(f"never pushes for longer than {seconds:g} s", judge, "always")
 
 
+class Push(NamedTuple):
+    """The robot pushes against a solid, for some seconds altogether, without leaving the place."""
+
+    seconds: float = 0.0
+    since: float = 0.0
+    solid: str = ""
+
+
+def longest_push(run: RunRecord) -> Push:
+    """Return the longest push of a run."""
+    nothing: tuple[Push, Push, Sample | None] = (Push(), Push(), None)
+    return run.fold(_push, nothing)[0]
+
+
+def _push(
+    so_far: tuple[Push, Push, Sample | None], now: Sample, before: Sample
+) -> tuple[Push, Push, Sample | None]:
+    """Keep the longest push, this one, and where the robot last touched something."""
+    longest, present, place = so_far
+    if not now.touched:
+        has_left = place is not None and now.distance(place) > _PLACE
+        return (longest, Push(), None) if has_left else so_far
+    if now.command[0] > 0 and now.bumper:
+        since, solid = (present.since, present.solid) if present.solid else (before.time, min(now.touched))
+        present = Push(present.seconds + now.time - before.time, since, solid)
+    return max(longest, present), present, now
+
+
+def backs_off_at_bumps(seconds: float) -> Criterion:
+    """Require that the robot drives backward within this time after each bump, and at no other time."""
+
+    def judge(run: RunRecord) -> Found:
+        def step(so_far: tuple[float, float, str], now: Sample, before: Sample) -> tuple[float, float, str]:
+            """Keep the bump that waits for an answer, when something was touched, and what is wrong."""
+            waiting, touched, wrong = so_far
+            if now.touched:
+                touched = now.time
+            if now.command[0] < 0:
+                if before.command[0] >= 0 and now.time - touched > seconds + 1e-6:
+                    wrong = wrong or f"it backed off after {now.time:.1f} s, and had not bumped"
+                waiting = _NEVER
+            elif now.bumper and before.command[0] > 0 and waiting == _NEVER:
+                waiting = now.time
+            if now.time - waiting > seconds + 1e-6 and waiting != _NEVER:
+                wrong = wrong or f"it bumped after {waiting:.1f} s, and did not back off"
+            return waiting, touched, wrong
+
+        _, _, wrong = run.fold(step, (_NEVER, _NEVER, ""), ("backs off at bumps", seconds))
+        return Found(not wrong, wrong or "it did so each time")
+
+    return Criterion(f"backs off within {seconds:g} s of each bump, and only then", judge, "always")
+
+
+_NEVER = -1e9  # s
+
+
 def stops_at(solid: str, seconds: float) -> Criterion:
-    """Require that the robot stops within this time after it has touched a solid, and does not go on."""
+    """Require that the robot stops within this time after it has touched a solid, and stays there."""
 
     def judge(run: RunRecord) -> Found:
         _check(run, (solid,))
 
-        def step(so_far: tuple[float | None, float], now: Sample, _: Sample) -> tuple[float | None, float]:
-            touched, drove = so_far
-            touched = now.time if touched is None and solid in now.touched else touched
-            return touched, now.time if any(now.command) else drove
+        def step(
+            so_far: tuple[Sample | None, float, float], now: Sample, _: Sample
+        ) -> tuple[Sample | None, float, float]:
+            touched, drove, away = so_far
+            touched = now if touched is None and solid in now.touched else touched
+            drove = now.time if any(now.command) else drove
+            return touched, drove, away if touched is None else max(away, now.distance(touched))
 
-        nothing: tuple[float | None, float] = (None, 0.0)
-        touched, drove = run.fold(step, nothing, ("stops at", solid))
+        nothing: tuple[Sample | None, float, float] = (None, 0.0, 0.0)
+        touched, drove, away = run.fold(step, nothing, ("stops at", solid))
         if touched is None:
             return Found(1, f"it has not touched the {solid}")
-        if drove - touched > seconds + 1e-6:
-            return Found(0, f"it was still driving {drove - touched:.1f} s after touching the {solid}")
-        return Found(1, f"it stopped {max(0.0, drove - touched):.1f} s after touching the {solid}")
+        took = max(0.0, drove - touched.time)
+        if took > seconds + 1e-6:
+            return Found(0, f"it was still driving {took:.1f} s after touching the {solid}")
+        if away > _AWAY:
+            return Found(0, f"it drove {away * 100:.0f} cm away after touching the {solid}")
+        return Found(1, f"it stopped {took:.1f} s after touching the {solid}")
 
     return Criterion(f"stops within {seconds:g} s of touching the {solid}", judge, "always")
 

@@ -7,6 +7,9 @@ from collections.abc import Callable
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 
+_Lit = tuple[Sample | None, float, bool]
+"""When the lamp was wrong for too long, for how long it is, and whether it has been right in this phase."""
+
 
 def lit_while(what: str, condition: Callable[[Sample], object], seconds: float = 0.3) -> Criterion:
     """Require that the lamp is lit while a condition of the robot holds, and dark while it does not.
@@ -18,19 +21,28 @@ def lit_while(what: str, condition: Callable[[Sample], object], seconds: float =
     condition : callable
         Takes a :class:`~lrp_jupyter.grading.run_record.Sample`.
     seconds : float
-        How long the lamp may be wrong at a time.
+        How long the lamp may be wrong altogether while the condition holds once, and then does not. It has
+        to be right in the end, however short that is.
     """
 
     def judge(run: RunRecord) -> Found:
-        def longest(so_far: tuple[float, bool, float], now: Sample, _: Sample) -> tuple[float, bool, float]:
-            most, lit, since = so_far
-            since = since if now.lamp != bool(condition(now)) else now.time
-            return (now.time - since, now.lamp, since) if now.time - since > most else (most, lit, since)
+        def step(so_far: _Lit, now: Sample, before: Sample) -> _Lit:
+            first, wrong, right = so_far
+            is_wanted, was_wanted = bool(condition(now)), bool(condition(before))
+            if is_wanted != was_wanted:
+                first = first or (None if right else before)
+                wrong, right = 0.0, False
+            if now.lamp == is_wanted:
+                return first, wrong, True
+            wrong += now.time - before.time
+            return first or (now if wrong > seconds + 1e-6 else None), wrong, right
 
-        wrong, lit, since = run.fold(longest, (0.0, False, 0.0), ("lit while", what))
-        if wrong <= seconds + 1e-6:
+        nothing: _Lit = (None, 0.0, True)
+        found, _, _ = run.fold(step, nothing, ("lit while", what))
+        if found is None:
             return Found(1, "it was never wrong")
-        return Found(0, f"after {since:.1f} s it was {'lit' if lit else 'dark'} when it should not have been")
+        lamp = "lit" if found.lamp else "dark"
+        return Found(0, f"after {found.time:.1f} s it was {lamp} when it should not have been")
 
     return Criterion(f"lights its lamp while it {what}, and only then", judge, "always")
 

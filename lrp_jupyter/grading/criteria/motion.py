@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
-from lrp_jupyter.grading.criteria.order import longest
 from lrp_jupyter.grading.run_record import RunRecord, Sample, angle_between
 
 _FASTEST, _SLACK = 0.8, 0.05  # m/s; metres, which a collision may add
@@ -68,15 +67,29 @@ def ends_still(seconds: float) -> Criterion:
     return Criterion(f"stands still for {seconds:g} s at the end", judge)
 
 
-def keeps_driving(seconds: float) -> Criterion:
-    """Require that the robot never stands still for longer than this time."""
+def keeps_driving(seconds: float, until: str = "") -> Criterion:
+    """Require that the robot never stands still for longer than this time.
+
+    Parameters
+    ----------
+    seconds : float
+    until : str
+        A solid: when the robot has touched it, it may stand still. By default, it has to drive on to the end.
+    """
 
     def judge(run: RunRecord) -> Found:
-        stood = longest(run, lambda now, before: not now.moved(before), "stood still for")
+        def step(so_far: tuple[float, float, bool], now: Sample, before: Sample) -> tuple[float, float, bool]:
+            most, since, over = so_far
+            over = over or (bool(until) and until in now.touched)
+            since = now.time if over or now.moved(before) else since
+            return max(most, now.time - since), since, over
+
+        stood, _, _ = run.fold(step, (0.0, 0.0, False), ("stood still for", until))
         reason = f"it stood still for {stood:.1f} s" if stood > 0.15 else "it never stood still"
         return Found(stood <= seconds + 1e-6, reason)
 
-    return Criterion(f"never stands still for longer than {seconds:g} s", judge, "always")
+    before = f" before it touches the {until}" if until else ""
+    return Criterion(f"never stands still for longer than {seconds:g} s{before}", judge, "always")
 
 
 def stops_once(seconds: float = 4) -> Criterion:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import pairwise
+from typing import NamedTuple
 
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
@@ -14,7 +16,25 @@ from lrp_jupyter.live.running.frame import is_active
 
 _SPAN = 2.0  # s, over which a speed is measured
 
+_LATE = 0.25  # s, by which the same phase may last longer or shorter
+_OTHER_SPEED, _OTHER_TURN = 0.01, 0.05  # m/s and rad/s, by which commands differ
+
 _Recent = tuple[tuple[float, float, int], ...]  # time, way, and version of the program
+
+
+class _Phase(NamedTuple):
+    """A time in which the command was the same."""
+
+    command: tuple[float, float]
+    seconds: float
+
+
+class _Driving(NamedTuple):
+    """The phases before the first edit, the sample at which the present one began, and what is different."""
+
+    known: tuple[_Phase, ...] = ()
+    first: Sample | None = None
+    found: str = ""
 
 
 def enters(*states: str) -> Criterion:
@@ -95,15 +115,16 @@ def edited(times: int = 1) -> Criterion:
     return Criterion("is edited while it runs", judge, "once", needs_motion=False)
 
 
-def slows_to(share: float, slack: float = 0.1) -> Criterion:
-    """Require that the robot drives on, after an edit, at this share of the speed that it had before.
+def slows_to(share: float, slack: float = 0.03) -> Criterion:
+    """Require that the robot drives on steadily, after an edit, at this share of the speed before it.
 
     Parameters
     ----------
     share : float
         0.5 is half the speed.
     slack : float
-        How far off the share may be, as a fraction of the speed before.
+        How far off the mean of two seconds may be, as a fraction of the speed before; one tick may be off by
+        three times as much.
     """
 
     def judge(run: RunRecord) -> Found:
@@ -117,15 +138,19 @@ def slows_to(share: float, slack: float = 0.1) -> Criterion:
 
         nothing: tuple[float, _Recent] = (0.0, ())
         first, recent = run.fold(step, nothing, "speeds")
-        now, half = _speed(recent), len(recent) // 2
+        now = _speed(recent)
         if not recent or not recent[0][2]:
             return Found(0, f"it drives at {now:.2f} m/s")
-        parts = [_speed(each) / first if first else 0.0 for each in (recent[:half], recent[half:])]
-        met = all(abs(part - share) <= slack for part in parts) and recent[0][2] == recent[-1][2]
+        parts = [_speed(pair) for pair in pairwise(recent)]
+        met = (
+            recent[0][2] == recent[-1][2]
+            and abs(now - share * first) <= slack * first
+            and all(abs(part - share * first) <= 3 * slack * first for part in parts)
+        )
         return Found(met, f"it drove at {first:.2f} m/s, and then at {now:.2f} m/s")
 
     named = {0.5: "half the speed", 2: "twice the speed"}.get(share, f"{share:.0%} of the speed")
-    return Criterion(f"drives on at {named}", judge, "once")
+    return Criterion(f"drives on at {named}", judge)
 
 
 def _speed(recent: _Recent) -> float:
@@ -147,6 +172,51 @@ def drives_on(metres: float) -> Criterion:
         return Found(way / metres, f"it drove {way * 100:.0f} cm after the edit")
 
     return Criterion(f"drives on for {metres * 100:g} cm after the edit", judge, "once")
+
+
+def drives_differently() -> Criterion:
+    """Require that the robot gets other commands after the first edit, or the same ones for other times."""
+
+    def judge(run: RunRecord) -> Found:
+        found = run.fold(_compare, _Driving(), "drives differently").found
+        edited = bool(run.samples and run.samples[-1].version)
+        return Found(bool(found), found or ("it drives as before the edit" if edited else "no edit"))
+
+    return Criterion("drives differently after the edit", judge, "once")
+
+
+def _compare(so_far: _Driving, now: Sample, before: Sample) -> _Driving:
+    """Compare the phases of driving, in each of which the command is the same, with those before the edit."""
+    known, first, found = so_far
+    if found:
+        return so_far
+    if first is None or not _is_alike(now.command, before.command):
+        if first is not None:
+            length = now.time - first.time
+            usual = _usual(known, before.command)
+            if not before.version:
+                known += (_Phase(before.command, length),)
+            elif usual and length < min(usual) - _LATE:
+                found = _driven(before.command, length)
+        first = now
+    if now.version and not found:
+        length = now.time - first.time
+        usual = _usual(known, now.command)
+        if (not usual and first.version) or (usual and length > max(usual) + _LATE):
+            found = _driven(now.command, length)
+    return _Driving(known, first, found)
+
+
+def _usual(known: tuple[_Phase, ...], command: tuple[float, float]) -> list[float]:
+    return [phase.seconds for phase in known if _is_alike(phase.command, command)]
+
+
+def _driven(command: tuple[float, float], seconds: float) -> str:
+    return f"it drove at {command[0]:.2f} m/s and {command[1]:.2f} rad/s, for {seconds:.1f} s"
+
+
+def _is_alike(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    return abs(one[0] - other[0]) < _OTHER_SPEED and abs(one[1] - other[1]) < _OTHER_TURN
 
 
 def never_restarts() -> Criterion:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lrp_jupyter.grading.bundled.common_hints import kept_pushing, longest_push
+from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
 from lrp_jupyter.grading.bundled.exercises.exercise_worlds import ROOMS, THICK, across, lane
 from lrp_jupyter.grading.criteria import (
@@ -19,6 +19,7 @@ from lrp_jupyter.grading.criteria import (
     stops_at,
     touches,
 )
+from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.criteria.motion import backed
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves
