@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from hatchling.builders.wheel import WheelBuilder
 
 from lrp_jupyter.cli.lab_command import (
     FIRST,
@@ -42,6 +43,14 @@ def test_no_solution_is_copied(tmp_path):
     assert (shipped_notebooks() / "teachers" / "solutions" / "square.lrp").is_file()
     copied = copy_notebooks(tmp_path)
     assert not [file for file in copied if "teachers" in file.parts]
+
+
+def test_what_students_install_holds_no_answers():
+    wheel = WheelBuilder(str(Path(__file__).parents[2])).recurse_included_files()
+    installed = {file.distribution_path for file in wheel}
+    assert f"lrp_jupyter/notebooks/{FIRST}" in installed
+    teachers = {name for name in installed if "teachers" in name or name.startswith("tests")}
+    assert teachers == {"lrp_jupyter/notebooks/teachers/unplugged.md"}  # `lrp sheets` prints it
 
 
 @pytest.fixture

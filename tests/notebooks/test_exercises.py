@@ -14,7 +14,7 @@ from support.tables import every
 
 from lrp_jupyter import Session, grade
 from lrp_jupyter.grading.attempt import attempt
-from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.grading.challenges import BUNDLED, Challenge, challenge, challenges
 from lrp_jupyter.grading.grade import jobs_of
 from lrp_jupyter.language.edits.initials import with_initial
 
@@ -40,7 +40,11 @@ class Exercise(NamedTuple):
 
     @property
     def solution(self) -> Path:
-        return SOLUTIONS / f"{file_of(self.challenge)}.lrp"
+        return _solution_of(self.challenge)
+
+
+def _solution_of(challenge: str) -> Path:
+    return SOLUTIONS / f"{file_of(challenge)}.lrp"
 
 
 def _exercises() -> Iterator[Exercise]:
@@ -81,8 +85,19 @@ def test_every_lesson_has_an_exercise_and_so_has_every_project_but_the_own_idea(
     assert len({exercise.challenge for exercise in EXERCISES}) == len(EXERCISES)
 
 
-def test_every_exercise_has_a_solution_and_every_solution_its_exercise():
-    assert {exercise.solution for exercise in EXERCISES} == set(SOLUTIONS.iterdir())
+def test_every_exercise_has_a_solution_and_every_solution_its_challenge():
+    assert {exercise.solution for exercise in EXERCISES} <= set(SOLUTIONS.iterdir())
+    assert {path.stem for path in SOLUTIONS.iterdir()} <= {file_of(each.name) for each in challenges()}
+
+
+OPENED = {exercise.challenge for exercise in EXERCISES}
+
+
+@every("task", [each for each in BUNDLED if each.name not in OPENED and _solution_of(each.name).exists()])
+def test_the_solution_of_a_challenge_without_a_notebook_passes_in_a_world(task: Challenge):
+    _, jobs = jobs_of(_solution_of(task.name).read_text(encoding="utf-8"), task)
+    made = attempt(jobs[-1])
+    assert made.passed, str(made)
 
 
 @all_exercises
