@@ -24,10 +24,10 @@ _AROUND = replace(  # a block on the way that is straight on, up to the edge of 
     solids=(*_LINE.solids, BoxSolid((_LINE.size[0] / 2, 0.3, 0.14, 0.6), name="block")),
 )
 _LINES = (_AROUND, mirrored(_AROUND, "mirrored line", y=True))
-_ELSEWHERE = moves("robot", x=0.08, y=0.01, degrees=20)
+_ELSEWHERE = moves("robot", x=0.05, y=0.01, degrees=12)
 _FOLLOWER = load("follower").split("\n\n", 1)[1].replace(")))\n\n(spawn", "))\n)\n\n(spawn")
 _NOISE = {"motor": 0.02, "light": 5.0}
-_LAP = 35.0  # s
+_LAP = 32.0  # s
 
 
 _WAYS_OUT = {
@@ -86,7 +86,7 @@ THERE_AND_BACK = Challenge(
     180,
     (_hints,),
     noise=_NOISE,
-    seeds=2,
+    seeds=3,
     vary=_ELSEWHERE,
     starter=starter("there and back"),
 )
@@ -100,7 +100,7 @@ DEBUG_THE_LISTING = Challenge(
     300,
     (_hints,),
     noise=_NOISE,
-    seeds=2,
+    seeds=3,
     vary=_ELSEWHERE,
     starter=starter("debug the printed listing"),
 )
@@ -113,7 +113,7 @@ LAP = Challenge(
     _LAP,
     (_hints,),
     noise=_NOISE,
-    seeds=2,
+    seeds=3,
     vary=_ELSEWHERE,
     starter=_FOLLOWER,
 )
