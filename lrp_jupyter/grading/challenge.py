@@ -38,7 +38,7 @@ class Challenge:
     """A task to be programmed, with its worlds and criteria.
 
     Two rules hold in every challenge and are no criteria of it: the program runs without issues, and the
-    robot is not carried.
+    robot is not carried. A run that breaks one earns no points.
 
     Parameters
     ----------
@@ -65,7 +65,8 @@ class Challenge:
     points : float
         For a program that passes.
     starter : str
-        The program to begin with, which does not pass; by default one whose robot stands still.
+        The program to begin with, which does not pass; by default one whose robot stands still. Points count
+        above what it earns.
     needed : float
         Share of the runs that a program has to pass, 0 to 1.
     vary : Variation, or several
