@@ -50,9 +50,8 @@ def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
         found += never_drove(run)
         found += () if found else no_command_at_the_end(run)
     yield from found
-    yield from _findings(run, lambda finding: finding.severity == "warning" and finding.code not in _NEVER)[
-        :1
-    ]
+    others = _findings(run, lambda finding: finding.severity == "warning" and finding.code not in _NEVER)
+    yield from others[:1]
 
 
 def _issue(run: RunRecord) -> str:

@@ -35,6 +35,7 @@ def test_points_count_above_what_one_begins_with_in_the_same_runs():
     assert result.start == pytest.approx(0.5, abs=0.02)
     assert result.share == pytest.approx(0.75, abs=0.02)
     assert result.points == pytest.approx(5, abs=0.2)
+    assert "\n  points count above what one begins with, which meets 50% of the task\n" in str(result)
     assert [grade(driving(seconds), WAY).points for seconds in (5, 2, 11)] == [0, 0, 10]
 
 
