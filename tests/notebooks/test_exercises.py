@@ -129,6 +129,57 @@ def test_the_solution_passes(exercise: Exercise):
     assert result.points == result.out_of
 
 
+SERIES = [exercise for exercise in EXERCISES if exercise.notebook.parent.name == "exercises"]
+
+
+@every("exercise", SERIES)
+def test_an_exercise_of_a_series_says_its_task_and_its_number(exercise: Exercise):
+    text = "\n".join(sources(read(exercise.notebook), "markdown"))
+    number = exercise.challenge.removeprefix("exercise ").capitalize()
+    assert re.search(rf"^## {number}( · .*)?\n\n{re.escape(challenge(exercise.challenge).task)}", text, re.M)
+
+
+def test_each_lesson_leads_to_five_exercises_of_which_the_fourth_is_open_and_the_plans_know_all():
+    lessons = [path for path in paths() if path.parent == NOTEBOOKS]
+    answers = (NOTEBOOKS / "teachers" / "exercises.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| \[\d\d\]\(\.\./(.*?)\) \| ([\d.]+) \|(?:[^|]+\|){2} \d+ \|$", answers, re.M)
+    expected = []
+    for path in lessons:
+        file = f"exercises/{path.name}"
+        assert f"Exercises: [five for this lesson]({file})." in prose(read(path))
+        number = int(path.stem[:2])
+        headings = re.findall(r"^## ([\d.]+) · ", prose(read(NOTEBOOKS / file)), re.M)
+        assert headings == [f"{number}.{each}" for each in range(1, 6)]
+        closed = [each.challenge for each in SERIES if each.notebook.name == path.name]
+        assert closed == [f"exercise {number}.{each}" for each in (1, 2, 3, 5)]
+        expected += [(file, heading) for heading in headings]
+    assert table == expected
+    bugs = [each.challenge for each in SERIES if each.notebook.stem == "find-the-bug"]
+    assert bugs == [f"bug {each}" for each in re.findall(r"^\| (\d) \|", answers, re.M)[-len(bugs) :]]
+
+
+@every(
+    ("name", "asked", "code"),
+    [
+        ("exercise 8.1", "tstop", "condition-false"),
+        ("exercise 8.2", "tleave", "delay-not-over"),
+        ("exercise 8.3", "tback", "condition-false"),
+        ("bug 1", "tstop", "fired"),
+        ("bug 2", "tstop", "condition-false"),
+        ("bug 3", "tstop", "source-inactive"),
+        ("bug 4", "robot.turn_by", "commanded"),
+        ("bug 6", "tend", "fired"),
+        ("bug 7", "tturn", "delay-not-over"),
+    ],
+)
+def test_a_program_that_is_to_be_asked_answers_as_its_exercise_says(name: str, asked: str, code: str):
+    task = challenge(name)
+    world, seed = task.runs[0]
+    session = Session(task.starter, "sim", world=world, noise=task.noise, seed=seed)
+    session.run(12)
+    assert code in {session.explain(asked, tick).code for tick in range(2, session.frame.tick)}
+
+
 @every("exercise", EXERCISES)
 def test_the_students_notebook_does_not_hold_the_solution(exercise: Exercise):
     text = re.sub(r"\s+", " ", exercise.solution.read_text(encoding="utf-8"))
