@@ -86,7 +86,7 @@ class MarksFiles(NamedTuple):
         if self.gradebook is not None and self.filled is not None:
             filled = fill_in(self.gradebook, marks, self.column)
             write_file(self.filled, filled.text)
-            yield f"written: {self.filled}, with the points of {filled.rows} students"
+            yield f"written: {self.filled}, rows with points: {filled.rows}"
             yield from filled.notes
 
 

@@ -78,7 +78,7 @@ def _section(mark: Mark, task: Challenge | None) -> Iterator[str]:
     if task is not None:
         yield f"<h2>{words(task.name)}: {grade.points:g} of {grade.out_of:g} points</h2>"
         yield paragraph(task.task, "faint")
-    for note in mark.notes:
+    for note in mark.submission.notes:
         yield paragraph(f"Note: {note}")
     if mark.submission.text is None:
         yield paragraph(f"What was handed in cannot be graded. {mark.submission.problem}", "hint")
@@ -128,5 +128,5 @@ def picture(task: Challenge, attempt: Attempt) -> str:
     if world is None:
         return ""
     drawn = svg(world, _PICTURE, caption=False, ways={"end": attempt.path})
-    about = f"The robot at its start, and its way: {attempt.seconds:.1f} s."
+    about = f"The robot at its start, and its way in {attempt.seconds:.1f} s."
     return f"<figure>{drawn}<figcaption class='faint'>{about}</figcaption></figure>"

@@ -123,8 +123,7 @@ def _comment(student: Handed) -> str:
         grade = mark.grade
         if grade.challenge:
             lines.append(f"{grade.challenge}: {grade.points:g} of {grade.out_of:g} points.")
-        lines += [mark.submission.problem] if mark.submission.text is None else [mark.reason]
-        lines += [f"Hint: {grade.hint}"] if grade.hint else []
+        lines += [mark.reason, f"Hint: {grade.hint}" if grade.hint else ""]
     return "<br>".join(escape(line, quote=False).replace("\n", "<br>") for line in lines if line)
 
 

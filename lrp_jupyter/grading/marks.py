@@ -26,7 +26,9 @@ class Mark(NamedTuple):
 
     @property
     def reason(self) -> str:
-        """Why the first run that failed did not pass, in a line; empty if all passed."""
+        """Why it cannot be read, or why the first run that failed did not pass; empty if all passed."""
+        if self.submission.text is None:
+            return self.submission.problem
         first = self.grade.first_failed
         return first.reason.partition("\n")[0] if first else ""
 

@@ -24,7 +24,7 @@ from lrp_jupyter.grading.handing_in import programs_in
 from lrp_jupyter.programs import heading
 
 _CELL = re.compile(r"\s*%%lrp\b(.*)")
-_NAMELESS = "`{}` names no challenge. Write `; challenge: NAME` into its first line, or use `--challenge`."
+_NAMELESS = "`{}` names no challenge. Write `; challenge: NAME` into its first line."
 _LONGEST = 1_000_000  # characters of a program
 
 

@@ -40,6 +40,38 @@ def test_a_class_is_graded_into_files_and_listed(lrp, group, tmp_path, monkeypat
     assert "grading: 6 of 6 runs" in result.stderr
 
 
+def test_a_class_with_several_challenges_is_a_table_and_goes_into_pages_and_a_gradebook(lrp, tmp_path):
+    folder = tmp_path / "class"
+    folder.mkdir()
+    (folder / "Ada Lovelace.lrp").write_text(f"; challenge: first move\n{DRIVE}")
+    (folder / "Bob.lrp").write_text(f"; challenge: lamp\n{DRIVE}")
+    (folder / "Carl.pdf").write_bytes(b"%PDF")
+    book = folder / "Grades.csv"  # in the folder of the class, as what is written
+    book.write_text("Identifier;Full name;Grade;Maximum Grade\nParticipant 1;Ada Lovelace;;20,00\n")
+    where = {"--table": "points.csv", "--feedback": "pages", "--out": "marks.html"}
+    options = [word for option, name in where.items() for word in (option, folder / name)]
+    command = ("grade", folder, "--seeds", "1", "--gradebook", book, "--separator", ";", *options)
+    lrp(*command)
+    result = lrp(*command)  # what was written is no submission
+    assert result.exit_code == 0, result.output
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert rows[0] == ["student", "first", "move", "lamp", "points", "notes"]
+    assert rows[1] == ["Ada", "Lovelace", "10", "10", "of", "20"]
+    assert rows[3][:5] == ["Carl.pdf", "0", "of", "20", "`Carl.pdf`"]
+    assert "\nNot graded: Carl.pdf\n" in result.stdout
+    assert f"written: {folder / 'Grades-marked.csv'}, rows with points: 1" in result.stdout
+    assert "No row was found for Bob, Carl.pdf." in " ".join(result.stdout.split())
+    assert "Participant 1;Ada Lovelace;10,0;20,00" in (folder / "Grades-marked.csv").read_text()
+    assert (
+        (folder / "points.csv").read_text("utf-8-sig").startswith("student;first move;lamp;points;out_of\n")
+    )
+    assert sorted(path.name for path in (folder / "pages").iterdir()) == [
+        "Ada Lovelace.html",
+        "Bob.html",
+        "Carl.pdf.html",
+    ]
+
+
 def test_several_files_are_a_class_and_one_file_is_explained(lrp, group, tmp_path):
     result = lrp("grade", group / "ada.lrp", group / "bob.lrp", "--challenge", "first move")
     assert (result.exit_code, "1 of 2 passed" in result.stdout) == (0, True)
@@ -66,6 +98,24 @@ def test_a_file_that_could_not_be_written_is_refused_before_anything_runs(lrp, g
     result = lrp("grade", group, "--challenge", "first move", "--out", tmp_path / out)
     assert (result.exit_code, result.stdout) == (2, "")
     assert words in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (
+            ["--feedback", "nowhere/pages"],
+            "`nowhere/pages` cannot be written: there is no such folder around it.",
+        ),
+        (["--gradebook", "nowhere.csv"], "`nowhere.csv` is not a file. Name the table that you downloaded."),
+        (["--table", "table.json"], "the name must end with `.csv`."),
+        (["--separator", "ab"], "--separator takes one character"),
+    ],
+)
+def test_a_wrong_option_for_a_class_is_a_sentence_before_anything_runs(lrp, group, here, options, words):
+    result = lrp("grade", group, "--challenge", "first move", *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert words in " ".join(result.stderr.replace("│", " ").split())
 
 
 def test_an_unreachable_cluster_is_a_sentence(lrp, group):

@@ -174,8 +174,8 @@ def open_notebook(page, server, request):
 def open_lab(open_notebook):
     """Open a notebook with a lab in its second cell, and wait until it runs."""
 
-    def open_lab(program, line="m", *more):
-        notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp {line}\n{program}", *more)
+    def open_lab(program, line="m", *more, **where):
+        notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp {line}\n{program}", *more, **where)
         notebook.run_cell(0)
         notebook.begin_cell(1)
         return notebook.lab().ready()

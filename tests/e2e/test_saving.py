@@ -5,6 +5,8 @@ import json
 import re
 from xml.etree import ElementTree
 
+import pytest
+
 from e2e.conftest import WAIT
 from e2e.pages import APP
 from e2e.programs import COUNTER, SQUARE
@@ -149,18 +151,24 @@ def convert_it_without_a_network(lab, context, tmp_path):
     offline.close()
 
 
-def test_what_is_handed_in_is_what_was_typed(open_lab):
-    """The text is in the file when the notebook is closed, and graded as in the lab."""
-    lab = open_lab("", "square --challenge square")
+@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
+def test_what_is_handed_in_is_what_was_typed(open_lab, app):
+    """The text is in the file when the notebook is saved or closed, and graded as in the lab."""
+    lab = open_lab("", "square --challenge square", app=app)
     notebook, page = lab.notebook, lab.page
     lab.find(".cm-content").press("Control+a")
     page.keyboard.insert_text(SQUARE)
     lab.sees('[data-lrp-state="m/corner"]')
-    page.evaluate(f"void {APP}.close()")
-    page.locator(".jp-Dialog .jp-mod-accept:has-text('Save')").click()
-    page.wait_for_function(f"{APP}?.context?.path !== '{notebook.name}'")
+    if app == "notebooks":
+        notebook.save()
+    else:
+        page.evaluate(f"void {APP}.close()")
+        page.locator(".jp-Dialog .jp-mod-accept:has-text('Save')").click()
+        page.wait_for_function(f"{APP}?.context?.path !== '{notebook.name}'")
     task = challenge("square")
     (handed_in,) = find_submissions([notebook.path.parent], task)
     assert handed_in.text.rstrip("\n") == SQUARE.rstrip("\n")
     assert not handed_in.as_given
+    (named,) = find_submissions([notebook.path])
+    assert (named.text, named.challenge) == (handed_in.text, "square")
     assert grade(handed_in.text, task).points == task.points

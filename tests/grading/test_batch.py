@@ -417,7 +417,7 @@ def test_the_table_of_marks_has_a_row_for_each_submission(marks):
     assert (carl["points"], carl["runs"], carl["first_reason"]) == (
         "0.0",
         "2",
-        "can be read: `carl.lrp` cannot be read.",
+        "`carl.lrp` cannot be read.",
     )
 
 

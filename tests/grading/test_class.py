@@ -56,7 +56,7 @@ def test_every_entry_of_the_class_has_the_marks_that_it_deserves(school):
         if kind in ("given", "unread"):
             assert student.points == 0, name
         if kind == "unread":
-            assert re.fullmatch(r"can be read: .*[.?]", student.marks[0].reason), name
+            assert re.fullmatch(r"[A-Z`].*[.?]", student.marks[0].reason), name
 
 
 def test_the_marks_are_written_in_every_form(school):
