@@ -251,8 +251,8 @@ def _stopped_elsewhere(run: RunRecord) -> Iterator[str]:
 
 STOP_BEFORE_THE_WALL = Challenge(
     "stop before the wall",
-    "Stop 15 to 35 cm before the wall ahead, and touch nothing: however far away the wall is, and although the"
-    " distance sensor fails now and then. For a second it reads `inf` then.",
+    "Stop 15 to 35 cm before the wall ahead, and touch nothing: however far away the wall is, and although"
+    " the distance sensor fails now and then. For a second it reads `inf` then.",
     (_wall("wall ahead", 1.2), _wall("near wall", 0.12), _wall("wall out of range", 2.8)),
     (touches_nothing(), ends_in("before the wall"), ends_still(2)),
     60,
