@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import posixpath
 import re
 import shlex
 from base64 import b64encode
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,7 @@ _NOTE = (
     "and what you type stays in this browser.</p>"
 )
 _PAGE = Path(__file__).with_name("lesson.html")
-_NOTEBOOK = re.compile(r'href="(?:\.\./)*([\w/-]+)\.ipynb(#[^"]*)?"')
+_NOTEBOOK = re.compile(r'href="([\w./-]+)\.ipynb(#[^"]*)?"')
 _MAGIC = re.compile(r"^%.*\n?", re.MULTILINE)
 
 
@@ -32,18 +33,16 @@ def write_lessons(lessons: Sequence[Lesson], site: Path, version: str) -> None:
     """
     folder = site / FOLDER
     folder.mkdir()
-    names = {lesson.name for lesson in lessons}
+    pages = {lesson.name: lesson.page for lesson in lessons}
     for before, lesson, after in zip([None, *lessons], lessons, [*lessons[1:], None], strict=False):
-        body = "\n".join(_sections(lesson))
-        body = _NOTEBOOK.sub(lambda found: _address(found[1], found[2] or "", names), body)
-        own = _address(lesson.name, "", set())
+        body = _resolved("\n".join(_sections(lesson)), lesson, pages)
         links = (
-            f'{_link(before, "prev", "← {}")}<a href="index.html">Lessons</a><a {own}>As a notebook</a>'
-            f"{_link(after, 'next', '{} →')}"
+            f'{_link(before, "prev", "← {}")}<a href="index.html">Lessons</a>'
+            f'<a href="{_in_jupyter(lesson.name)}">As a notebook</a>{_link(after, "next", "{} →")}'
         )
-        _write(folder / f"{lesson.name}.html", lesson.title, body, links, version)
+        _write(folder / f"{lesson.page}.html", lesson.title, body, links, version)
     listed = "".join(
-        f'<li><a href="{escape(each.name)}.html">{inline_html(each.title)}</a></li>' for each in lessons
+        f'<li><a href="{escape(each.page)}.html">{inline_html(each.title)}</a></li>' for each in lessons
     )
     body = f'<h1>Lessons</h1>\n<ul class="lessons">{listed}</ul>'
     _write(folder / "index.html", "Lessons", body, '<a href="../index.html">One lab</a>', version)
@@ -60,14 +59,23 @@ def _link(lesson: Lesson | None, relation: str, text: str) -> str:
     if lesson is None:
         return ""
     words = escape(text.format(lesson.title))
-    return f'<a href="{escape(lesson.name)}.html" rel="{relation}">{words}</a>'
+    return f'<a href="{escape(lesson.page)}.html" rel="{relation}">{words}</a>'
 
 
-def _address(name: str, anchor: str, lessons: set[str]) -> str:
-    """Return the address of a notebook: that of its page if it is a lesson, else in JupyterLite."""
-    if name in lessons:
-        return f'href="{name}.html"'
-    return f'href="../jupyter/lab/index.html?path={name}.ipynb{anchor}"'
+def _resolved(body: str, lesson: Lesson, pages: Mapping[str, str]) -> str:
+    """Return a page whose links to notebooks lead to their pages or, where they have none, to JupyterLite."""
+
+    def resolved(found: re.Match[str]) -> str:
+        name = posixpath.normpath(posixpath.join(posixpath.dirname(lesson.name), found[1]))
+        if name in pages:
+            return f'href="{pages[name]}.html"'
+        return f'href="{_in_jupyter(name)}{found[2] or ""}"'
+
+    return _NOTEBOOK.sub(resolved, body)
+
+
+def _in_jupyter(name: str) -> str:
+    return f"../jupyter/lab/index.html?path={escape(name)}.ipynb"
 
 
 def _sections(lesson: Lesson) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """Lessons as pages of HTML: notebooks cut into sections, and their Markdown.
 
-A lesson is a notebook whose name begins with a number. Its sections begin with headings of the second level.
+A lesson is a notebook whose name begins with a number; its exercises are in the folder ``exercises``, under the
+same name. Sections begin with headings of the second level.
 """
 
 from __future__ import annotations
@@ -43,21 +44,31 @@ class Section:
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson: its file without the suffix, its title, what comes before its first section, and these."""
+    """A lesson, or its exercises.
+
+    `name`: its path below the folder of the lessons, without the suffix.
+    `opening`: what comes before the first section.
+    """
 
     name: str
     title: str
     opening: Section
     sections: tuple[Section, ...]
 
+    @property
+    def page(self) -> str:
+        """The name of its page, without a suffix: all pages are in one folder."""
+        return self.name.replace("/", "-")
+
 
 def read_lessons(folder: Path) -> list[Lesson]:
-    """Return the lessons of a folder, in their order; LRPError: one cannot be read."""
-    return [read_lesson(file) for file in sorted(folder.glob("[0-9][0-9]-*.ipynb"))]
+    """Return the lessons of a folder, each before its exercises; LRPError: one cannot be read."""
+    files = [file for place in (".", "exercises") for file in (folder / place).glob("[0-9][0-9]-*.ipynb")]
+    return [read_lesson(file, folder) for file in sorted(files, key=lambda file: (file.name, file.parts))]
 
 
-def read_lesson(file: Path) -> Lesson:
-    """Return the lesson in a notebook; LRPError: it cannot be read."""
+def read_lesson(file: Path, folder: Path) -> Lesson:
+    """Return the lesson in a notebook of a folder; LRPError: it cannot be read."""
     try:
         cells = json.loads(read_text(file))["cells"]
         parts = [
@@ -85,7 +96,8 @@ def read_lesson(file: Path) -> Lesson:
             if text.strip():
                 below[-1].append(text.strip("\n"))
     opening, *sections = (Section(each, tuple(parts)) for each, parts in zip(titles, below, strict=True))
-    return Lesson(file.stem, title, opening, tuple(sections))
+    name = file.relative_to(folder).with_suffix("").as_posix()
+    return Lesson(name, title, opening, tuple(sections))
 
 
 def _cut(text: str) -> Iterator[tuple[int, str, str]]:

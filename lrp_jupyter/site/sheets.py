@@ -48,7 +48,7 @@ def write_sheets(notebooks: Path, folder: Path, is_pdf: bool = False) -> list[Pa
 
     Raises LRPError: there are no lessons, a file cannot be read or written, or no browser makes a PDF.
     """
-    pages = {lesson.name: worksheet(lesson) for lesson in read_lessons(notebooks)}
+    pages = {lesson.page: worksheet(lesson) for lesson in read_lessons(notebooks)}
     if not pages:
         raise LRPError(
             f"There is no lesson in `{shown(notebooks)}`. The names of lessons begin with a number, as in "

@@ -24,7 +24,7 @@ def pages(tmp_path_factory):
 
 
 def test_each_lesson_is_a_page_that_leads_to_the_next_and_back(pages):
-    names = [lesson.name for lesson in LESSONS]
+    names = [lesson.page for lesson in LESSONS]
     assert set(pages) == {*names, "index"}
     at, visited = names[0], []
     while at:
@@ -40,7 +40,7 @@ def test_each_program_of_a_lesson_is_a_lab_of_its_page(pages):
     for lesson in LESSONS:
         cells = [part for each in lesson.sections for part in each.parts if isinstance(part, CodeCell)]
         wanted = [
-            json.loads(unescape(each)) for each in re.findall(r'data-wanted="([^"]*)"', pages[lesson.name])
+            json.loads(unescape(each)) for each in re.findall(r'data-wanted="([^"]*)"', pages[lesson.page])
         ]
         assert [each["text"] for each in wanted] == [
             each.program for each in cells if each.program is not None
