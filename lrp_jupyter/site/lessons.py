@@ -1,7 +1,7 @@
 """Lessons as pages of HTML: notebooks cut into sections, and their Markdown.
 
-A lesson is a notebook whose name begins with a number; its exercises are in the folder ``exercises``, under the
-same name. Sections begin with headings of the second level.
+A lesson is a notebook whose name begins with a number; its exercises are in the folder ``exercises``, under
+the same name. Sections begin with headings of the second level.
 """
 
 from __future__ import annotations
