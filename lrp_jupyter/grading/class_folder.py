@@ -29,6 +29,7 @@ _CANVAS = re.compile(r"(?s)([^_]+)_(?:LATE_)?(\d+)_\d+_.+")
 _ADDED = ("__MACOSX", "__pycache__", "Thumbs.db", "desktop.ini")
 _DEEPEST = 4  # zip files in one another
 _MOST = 500  # files of an entry
+_OTHERS = (".doc", ".docx", ".jpeg", ".jpg", ".md", ".odt", ".pdf", ".png", ".py", ".rtf")
 _ARCHIVES = (".7z", ".bz2", ".gz", ".rar", ".tar", ".tgz", ".xz")
 _BROKEN = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError, ValueError)
 
@@ -149,7 +150,7 @@ def _student_in(name: str) -> tuple[str, str, str]:
 
 
 def _stem(name: str) -> str:
-    while PurePosixPath(name).suffix.lower() in (*PROGRAMS, *_TEXTS[:-1], ".zip", ".html"):
+    while PurePosixPath(name).suffix.lower() in (*PROGRAMS, *_TEXTS[:-1], *_OTHERS, *_ARCHIVES, ".zip"):
         name = PurePosixPath(name).stem
     return name
 

@@ -73,7 +73,7 @@ class Summary(NamedTuple):
     def _lines(self) -> Iterator[str]:
         average = f"{self.average:.1f} of {self.out_of:g} points on average"
         yield f"{self.challenge}: {self.passed} of {self.of} passed; {average}"
-        for criterion, count in self.criteria.items():
+        for criterion, count in self.criteria.items() if self.ran else ():
             yield f"  {criterion}: {count} of {self.ran}"
         for failure in self.failures[:_MOST]:
             hint = f" Most often: {failure.hint}" if failure.hint else ""
@@ -110,7 +110,7 @@ def _summary(task: Challenge, marks: Sequence[Mark]) -> Summary:
         _students(mark for mark in read if mark.submission.as_given),
         _students(stuck),
         _students(mark for mark in marks if mark.submission.text is None),
-        _alike(ran),
+        _alike(ran, task),
     )
 
 
@@ -132,11 +132,12 @@ def _students(marks: Iterator[Mark] | Sequence[Mark]) -> tuple[str, ...]:
     return tuple(mark.submission.student for mark in marks)
 
 
-def _alike(marks: Sequence[Mark]) -> tuple[Alike, ...]:
+def _alike(marks: Sequence[Mark], task: Challenge) -> tuple[Alike, ...]:
     """Return which programs are alike; only those that were run, which are known to be read in time."""
     texts: dict[str, str] = {}
     for mark in marks:
         each = mark.submission
         name = each.student if each.student not in texts else f"{each.student} ({each.file})"
         texts[name] = each.text or ""
-    return tuple(alike(texts, marks[0].submission.given)) if marks else ()
+    given = next((mark.submission.given for mark in marks if mark.submission.given), task.beginning)
+    return tuple(alike(texts, given))

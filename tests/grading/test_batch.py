@@ -153,11 +153,11 @@ def test_every_entry_has_a_row_and_what_is_no_program_says_why(hand_in):
     texts = {student: row.text for student, row in rows.items() if row.text is not None}
     assert "".join(texts.values()) == "12834567"  # in the order of the entries
     assert {student: row.problem for student, row in rows.items() if row.text is None} == {
-        "hans.docx": NO_PROGRAM.format("hans.docx"),
+        "hans": NO_PROGRAM.format("hans.docx"),
         "ida": NO_PROGRAM.format("report.pdf"),
         "jo": f"`jo.zip` cannot be unpacked: It is damaged, or not a zip file. {AGAIN}",
         "kim": "`kim.zip` is an empty zip file.",
-        "lea.rar": "`lea.rar` is an archive that cannot be opened here. Unpack it, or pack it as `.zip`.",
+        "lea": "`lea.rar` is an archive that cannot be opened here. Unpack it, or pack it as `.zip`.",
         "mia": "`mia.lrp` is empty. Open the program in the lab, save it again, and hand in that.",
         "nina": "`nina.lrp` is not a text: it has bytes that no text has. Save the program as text again.",
         "olaf": "`olaf.ipynb` has an empty `%%lrp` cell. Save the notebook again, with the lab open. "
