@@ -147,12 +147,19 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
     Raises FileError: the file cannot be read, is a device or a pipe, is too large, or is not UTF-8.
     """
+    return decoded(read_data(path), f"`{shown(path)}`")
+
+
+def read_data(path: str | os.PathLike[str]) -> bytes:
+    """Return what is in a regular file that a person named.
+
+    Raises FileError: the file cannot be read, is a device or a pipe, or is too large.
+    """
     try:
         with open_regular(path) as stream:
-            data = whole(stream)
+            return whole(stream)
     except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
         raise unreadable(path, error) from error
-    return decoded(data, f"`{shown(path)}`")
 
 
 def run_python(path: str | os.PathLike[str], names: dict[str, Any]) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lrp_jupyter.errors import FileError, did_you_mean
-from lrp_jupyter.files import read_text, shown
+from lrp_jupyter.files import guessed, read_data, shown
 from lrp_jupyter.grading.marks import Handed, Marks
 from lrp_jupyter.grading.submissions import slug
 from lrp_jupyter.spreadsheets import decimal
@@ -54,6 +54,7 @@ class _Table(NamedTuple):
     separator: str
     line_end: str
     is_marked: bool  # by the mark of UTF-8
+    guess: str
 
     def written(self) -> str:
         file = io.StringIO()
@@ -113,7 +114,7 @@ def _moodle(table: _Table, marks: Marks, places: dict[str, int | None]) -> Fille
     notes = [f"Moodle does not let you change the grades of {', '.join(locked)}."] if locked else []
     if places["comment"] is None:
         notes.append("There is no column for comments. Switch on *Feedback comments* in the assignment.")
-    return Filled(table.written(), count, (*notes, *_missed(matched, marks)))
+    return Filled(table.written(), count, _notes(table, notes, matched, marks))
 
 
 def _comment(student: Handed) -> str:
@@ -159,7 +160,7 @@ def _canvas(path: Path, table: _Table, marks: Marks, column: str | None) -> Fill
                 _put(rows[index], place, points)
     left = [each for each in marks.names if whole is None and each not in places]
     notes = [f"There is no column for {_listed(left)}."] if left else []
-    return Filled(table.written(), len(filled), (*notes, *_missed(matched, marks)))
+    return Filled(table.written(), len(filled), _notes(table, notes, matched, marks))
 
 
 # -- both ------------------------------------------------------------------------------------------
@@ -194,28 +195,29 @@ def _by_key(names: dict[int, str]) -> dict[str, set[int]]:
     return found
 
 
-def _missed(matched: dict[int, Handed], marks: Marks) -> list[str]:
-    """Say who gets no points in the table."""
+def _notes(table: _Table, notes: Sequence[str], matched: dict[int, Handed], marks: Marks) -> tuple[str, ...]:
+    """Say who gets no points in the table, after other notes."""
     found = [*matched.values()]
     missed = [each.student for each in marks.students if each not in found]
     unread = [each.student for each in found if not each.is_read]
-    notes = []
+    said = [table.guess, *notes]
     if missed:
-        notes.append(f"No row was found for {', '.join(missed)}. Enter their points yourself.")
+        said.append(f"No row was found for {', '.join(missed)}. Enter their points yourself.")
     if unread:
-        notes.append(f"No grade was entered for {', '.join(unread)}: what they handed in cannot be read.")
-    return notes
+        said.append(f"No grade was entered for {', '.join(unread)}: what they handed in cannot be read.")
+    return tuple(filter(None, said))
 
 
 def _read(path: Path) -> _Table:
-    text = read_text(path)
+    data = read_data(path)
+    text, guess = guessed(data, f"`{shown(path)}`")
     first = text.partition("\n")[0]
     separator = max(",;\t", key=first.count)
     rows = list(csv.reader(io.StringIO(text, newline=""), delimiter=separator))
     if not rows or len(rows[0]) < 2:
         raise FileError(f"`{shown(path)}` is not a table. Download the worksheet again as CSV.")
     line_end = "\r\n" if "\r\n" in text else "\n"
-    return _Table(rows, separator, line_end, path.read_bytes().startswith(codecs.BOM_UTF8))
+    return _Table(rows, separator, line_end, data.startswith(codecs.BOM_UTF8), guess)
 
 
 def _place(head: Sequence[str], names: Sequence[str]) -> int | None:

@@ -189,6 +189,16 @@ def test_a_row_is_found_by_its_number_or_by_a_name_that_only_one_student_has(tmp
     )
 
 
+def test_a_table_that_a_spreadsheet_has_saved_in_its_own_encoding_is_read_and_that_is_noted(tmp_path):
+    book = tmp_path / "g.csv"
+    book.write_bytes(
+        "ID;Vollständiger Name;Bewertung;Bestwertung\nTeilnehmer/in9;Carla Öz;;10,00\n".encode("cp1252")
+    )
+    filled = fill_in(book, graded(("Carla Öz", "oez.lrp", "")))
+    assert filled.text.endswith("Teilnehmer/in9;Carla Öz;0,0;10,00\n")
+    assert "was read as Windows-1252, which is a guess" in filled.notes[0]
+
+
 @pytest.mark.parametrize(
     ("text", "column", "words"),
     [
