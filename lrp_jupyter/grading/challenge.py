@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lrp_jupyter.arguments import check_number, check_type
-from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.errors import LRPError, ended, sentence_of
 from lrp_jupyter.grading.criteria import Criterion
 from lrp_jupyter.grading.run_record import RunRecord, at_start
 from lrp_jupyter.grading.variation import Variation, varied
@@ -176,7 +176,14 @@ class Challenge:
         LRPError
             A hidden world cannot be read.
         """
-        return replace(self, worlds=(*self.worlds, *map(_world, self.hidden)), hidden=(), exam=False)
+        try:
+            hidden = tuple(map(_world, self.hidden))
+        except LRPError as error:
+            raise LRPError(
+                f"A hidden world of `{self.name}` is missing. {ended(str(error))} Grade on the computer"
+                " that has it beside the file of the challenge."
+            ) from error
+        return replace(self, worlds=(*self.worlds, *hidden), hidden=(), exam=False)
 
     def check(self) -> None:
         """Ask every criterion about a run that has just begun, in every world.

@@ -65,7 +65,7 @@ def test_a_teacher_marks_in_the_hidden_worlds_too(folder):
 
 def test_a_hidden_world_that_the_teacher_lacks_is_named(folder):
     (folder / "far.json").unlink()
-    with pytest.raises(LRPError, match=r"far\.json"):
+    with pytest.raises(LRPError, match=r"hidden world of `exam 1` is missing\. .*far\.json .*Grade on the"):
         load(folder / "exam-1.py").whole()
 
 
