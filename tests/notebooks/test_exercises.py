@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,6 +14,7 @@ from stored import NOTEBOOKS, challenge_of, opened_program, paths, read, sources
 from support.tables import every
 
 from lrp_jupyter import Session, grade
+from lrp_jupyter.grading import challenges as registry
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenges import BUNDLED, Challenge, challenge, challenges
 from lrp_jupyter.grading.grade import jobs_of
@@ -305,3 +307,32 @@ def test_every_reason_that_the_table_lists_is_that_of_one_robot():
 def test_each_broken_robot_is_named_by_the_cell_that_opens_it():
     names = [opened_program(source) for source in sources(read(BROKEN), "code") if challenge_of(source)]
     assert names == ["pusher", "sleeper", "doors", "search", "stander", "counter"]
+
+
+# -- a challenge of one's own --------------------------------------------------------------------------
+
+
+def test_no_clock_parks_in_all_garages_and_no_robot_that_rests_again_and_again_parks(monkeypatch):
+    notebook = read(NOTEBOOKS / "appendix" / "your-own-challenge.ipynb")
+    said = prose(notebook)
+    assert "A time fits one garage or two, and never all of them" in said
+    assert "that is why there is `stops_once`" in said
+    monkeypatch.setattr(registry, "_challenges", dict(registry._challenges))
+    cells = [cell for cell in sources(notebook, "code") if re.search(r"def garage|register\(", cell)]
+    names: dict[str, object] = {}
+    for cell in cells:
+        exec(cell, names)
+    (cell,) = (cell for cell in sources(notebook, "code") if "by_the_clock =" in cell)
+    exec(cell.partition("for program in")[0], names)
+    parking = challenge("parking")
+    passed = []
+    for milliseconds in range(2000, 12001, 2000):
+        text = str(names["by_the_clock"]).replace("10000", str(milliseconds))
+        passed.append({job.world_name for job in jobs_of(text, parking)[1] if attempt(job).passed})
+    assert {1, 2} <= {len(worlds) for worlds in passed} <= {0, 1, 2}
+    resting = jobs_of(str(names["now_and_then"]), replace(parking, seconds=60))[1]
+    assert not any(attempt(job).passed for job in resting)
+    once, others = parking.criteria[2], (*parking.criteria[:2], *parking.criteria[3:])
+    assert once.sentence == "stops only once"
+    resting = jobs_of(str(names["now_and_then"]), replace(parking, seconds=60, criteria=others))[1]
+    assert any(attempt(job).passed for job in resting)
