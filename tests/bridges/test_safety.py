@@ -207,7 +207,7 @@ def test_a_velocity_that_is_not_repeated_ends_after_half_a_second(cart: Any) -> 
     assert cart.sent == [(0.2, 0.0)]
     tick(cart, 0.5)
     assert cart.sent[1:] == [(0.0, 0.0)]
-    assert texts(cart)[-1] == "No command for 0.5 s. Put `move` into `running`."
+    assert texts(cart)[-1] == "No command for 0.5 s. If it has to go on, put `move` into `running`."
     for number in range(6, 20):
         tick(cart, number / 10)
     assert len(cart.sent) == 2, "a robot that stands still needs no stop"
@@ -229,7 +229,7 @@ def test_a_slow_program_has_three_periods(cart: Any) -> None:
     tick(cart, 2.0, 1.0)
     assert len(cart.sent) == 1
     tick(cart, 3.0, 1.0)
-    assert texts(cart)[-1] == "No command for 3 s. Put `move` into `running`."
+    assert texts(cart)[-1] == "No command for 3 s. If it has to go on, put `move` into `running`."
 
 
 def test_standing_still_needs_no_repetition(cart: Any) -> None:

@@ -276,7 +276,7 @@ def test_a_run_that_the_program_itself_pauses_ends_with_the_reason(lrp, program,
 def test_a_notice_of_the_robot_is_printed_once(lrp, program):
     text = "(machine m (state a (onentry [robot.move(linear=0.1)]))) (spawn m a)"
     result = lrp("run", program(text), "--speed", "max", "--for", "3")
-    assert result.stdout.count("No command for 0.5 s. Put `move` into `running`.") == 1
+    assert result.stdout.count("No command for 0.5 s. If it has to go on, put `move` into `running`.") == 1
 
 
 def test_a_limit_of_the_robot_is_printed_once_however_much_is_asked_for(lrp, program):

@@ -410,7 +410,7 @@ class Safety:
         return {
             mover: f"No `{name}` has succeeded for {limit:g} s."
             if last.get(name, since) > since
-            else f"No command for {limit:g} s. Put `{name}` into `running`."
+            else f"No command for {limit:g} s. If it has to go on, put `{name}` into `running`."
             for mover, (name, since) in overdue
         }
 

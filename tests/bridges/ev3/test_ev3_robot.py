@@ -105,7 +105,7 @@ def test_a_robot_that_gets_no_more_moves_is_stopped_with_a_reason(bridge, brick,
         bridge.end_tick(tick / 10)
     fresh()
     assert turning(brick) == [0, 0, 0, 0]
-    assert "Put `move` into `running`" in bridge.safety.notices[-1].text
+    assert "put `move` into `running`" in bridge.safety.notices[-1].text
 
 
 def test_a_robot_that_moves_in_every_tick_costs_five_commands_a_second(bridge, brick, clock, fresh):
