@@ -123,7 +123,9 @@ class Grade:
         if self.needed < 1:
             lines.append(f"  {self.needed:.0%} of the runs have to pass")
         if self.start and not self.passed:
-            lines.append(f"  points count above what one begins with, which meets {self.start:.0%} of the task")
+            lines.append(
+                f"  points count above what one begins with, which meets {self.start:.0%} of the task"
+            )
         if len(self.attempts) > 1:
             lines += list(self._summary())
         if self.attempts:

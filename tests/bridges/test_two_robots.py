@@ -110,7 +110,7 @@ def test_the_watchdog_stops_the_one_that_gets_no_commands_and_not_the_other(sim:
         tick(sim, number, lambda robot: robot.move(linear=0.2))
     assert [robot.command for robot in sim.simulation.robots] == [(0.2, 0.0), (0.0, 0.0)]
     (notice,) = sim.safety.notices
-    assert notice.text == "No command for 0.5 s. Put `upper.move` into `running`."
+    assert notice.text == "No command for 0.5 s. If it has to go on, put `upper.move` into `running`."
     assert sim.simulation.robots[1].pose[0] == pytest.approx(0.5 + 0.2 * 0.5, abs=0.03)
     lower = sim.simulation.robots[0].pose[0]
     assert lower == pytest.approx(0.5 + 0.2 * 0.9, abs=0.01), "it drove on without a pause"

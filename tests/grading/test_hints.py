@@ -114,10 +114,10 @@ FIRST_HINTS = {
     (
         "bump and turn",
         rover(BACKS),
-    ): "began to turn on the spot after 6.4 s and never stopped: no transition leads out of `turning`. Which",
+    ): "and never stopped: no transition leads out of `turning`. Which",
     (
         "bump and turn",
-        rover(f"{BACKS} (on [robot.gyro.data > 99] turning -> driving)"),
+        rover(f"{BACKS} (ontime 999999 turning -> driving)"),
     ): "never stopped. What does the transition that leads out of `turning` wait for?",
     (
         "bump and turn",

@@ -87,7 +87,7 @@ def test_one_of_three_that_is_disconnected_while_it_moves_is_stopped_and_watched
     assert {topic for topic, values in graph.heard if not values["data"]} == {"/a", "/b", "/c"}
     assert ros.safety.motion.keys() == {"/d"}
     assert [notice.text for notice in ros.safety.notices if notice.kind == "command watchdog"] == [
-        "No command for 0.5 s. Put `c` into `running`."
+        "No command for 0.5 s. If it has to go on, put `c` into `running`."
     ]
 
 
