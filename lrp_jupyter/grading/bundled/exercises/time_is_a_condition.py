@@ -85,7 +85,7 @@ EXERCISES = (
         "3.3",
         "The robot drives a triangle and stops. Let it drive a hexagon with sides of 30 cm, and stop where it"
         " began.",
-        polygon(6, 0.3, 0.12),
+        polygon(6, 0.3, 0.16),
         visits("corner 1", "corner 2", "corner 3", "corner 4", "corner 5", "home"),
         drives_straight(0.8),
         ends_in("home"),
