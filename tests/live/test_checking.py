@@ -70,7 +70,7 @@ def test_uses_of_the_robot_that_work_have_no_findings(block: str) -> None:
         ("print(robot.sonar)", "LRP520", "`robot` has no `sonar`. Write `robot.distance.data`."),
         ("robot.forward(0.2)", "LRP520", "`robot` has no `forward`. Write `robot.move(linear=0.2)`."),
         ("robot.move", "LRP507", "This only names `robot.move` and does nothing. Write `robot.move(lin"),
-        ("robot.turn_by", "LRP507", "This only names `robot.turn_by` and does nothing. Write `robot.turn_by("),
+        ("robot.turn_by", "LRP507", "This only names `robot.turn_by` and does nothing. Write `robot.turn"),
         ("robot.lamp('off')", "LRP521", "`robot.lamp` takes `True` or `False`, and every text counts as"),
         ("robot.turn_by('90')", "LRP521", "`radians` must be a number, not a text. Write `90` without"),
         ("print(robot.distance.data is None)", "LRP526", "`robot.distance.data` is never `None`. If nothing"),

@@ -179,7 +179,7 @@ def test_the_ranges_are_those_of_the_robot_and_without_any_nothing_is_said() -> 
         ("LRP537", "`speed` is limited to -30. Write at least `-30`.")
     ]
     assert found("robot.lift(150)") == [
-        ("LRP537", "150 m are too far for `robot.lift`. For 150 cm, write `1.5`.")
+        ("LRP537", "150 m is too far for `robot.lift`. For 150 cm, write `1.5`.")
     ]
     ((code, message),) = found("if robot.grey.data > 2000: robot.cruise(1)")
     assert code == "LRP526"

@@ -26,7 +26,7 @@ def check_delays(report: Reporter, names: Resolution, tick: float = TICK) -> Non
         told.add(span)
         meant = f"{number * 1000:.0f}"
         is_delay = f"`{name}` is a delay in milliseconds" if name else "A delay is in milliseconds"
-        message = f"{is_delay}, and {number:g} ms are less than one tick. For {number:g} s, write `{meant}`."
+        message = f"{is_delay}, and {number:g} ms is less than one tick. For {number:g} s, write `{meant}`."
         report.add("LRP411", span, message, replace(span, meant))
 
     for scope in names.scopes:

@@ -156,7 +156,7 @@ def _unfilled(node: ast.Constant, places: Offsets) -> Iterator[Diagnosis]:
     start, end = places.start_of(node), places.end_of(node)
     is_plain = places.source[start : start + 1] in ("'", '"')
     if is_plain and _FILLED.search(str(node.value)) and not places.source.startswith(".format", end):
-        message = "Braces in a text have no meaning without an `f` before it. Write `f` before the quote."
+        message = "Braces are filled in only if `f` stands before the quote. Write `f` there."
         yield Diagnosis(start, end, "LRP518", message, (Edit(start, start, "f"),))
 
 

@@ -177,7 +177,7 @@ class _Quantities:
                 continue
             if number.value >= _LONG:
                 meant = f"{number.value / 1000:g}"
-                minutes = f"{number.value:g} s are {number.value / 60:.0f} minutes"
+                minutes = f"{number.value:g} s is {number.value / 60:.0f} minutes"
                 message = f"{number.shown}`elapsed` is in seconds: {minutes}."
                 self._add("LRP537", number, f"{message} For {number.value:g} ms, write `{meant}`.", meant)
             elif beside.sign in ("==", "!="):
@@ -202,12 +202,12 @@ class _Quantities:
         value = number.value
         if likely and not likely[0] <= value <= likely[1]:
             if unit == "rad":
-                self._add("LRP537", number, *_angle(f"`{path}` turns by radians", number))
+                self._add("LRP537", number, *_angle(f"`{path}` takes radians", number))
                 return
             meant = _metres(value, unit, likely)
             remedy = f"For {value:g} cm, write `{meant}`" if meant else "Write a smaller number"
             much = "far" if unit == "m" else "much"
-            message = f"{number.shown}{value:g}{_short(unit)} are too {much} for `{path}`."
+            message = f"{number.shown}{value:g}{_short(unit)} is too {much} for `{path}`."
             self._add("LRP537", number, f"{message} {remedy}.", meant)
         elif limits and not limits[0] <= value <= limits[1]:
             low, high = limits
@@ -251,7 +251,7 @@ class _Quantities:
             fix = Fix("Remove `degrees`" if len(edits) == 2 else "Convert the other side", tuple(at))
             self.report.add("LRP537", place.block.at(span), f"{message} {remedy}", fix)
         for name, number, span in _trigonometry(place.block.text):
-            message = f"`{name}` takes an angle in radians, and {number:g} rad are {_turns(number)}."
+            message = f"`{name}` takes an angle in radians, and {number:g} rad is {_turns(number)}."
             meant = f"degrees({number:g})"
             if name.endswith("degrees"):
                 message = f"`{name}` converts radians into degrees, and robots turn by radians."
@@ -262,7 +262,7 @@ class _Quantities:
 def _angle(what: str, number: _Number) -> tuple[str, str]:
     value = f"{number.value:g}"
     meant = f"degrees({value})"
-    message = f"{number.shown}{what}: {value} rad are {_turns(number.value)}."
+    message = f"{number.shown}{what}: {value} rad is {_turns(number.value)}."
     return f"{message} For {value} degrees, write `{meant}`.", meant
 
 

@@ -219,8 +219,8 @@ class _References:
         if code == "LRP305" and 0 < len(machine.states) <= _FEW:
             *others, last = (f"`{state}`" for state in machine.states)
             known = f"{', '.join(others)} and {last}" if others else last
-            problem = f"{problem}, only {known}"
-            remedy = f"Write {'one of these' if others else 'that'}, or define `(state {name})` in it"
+            choice = "one of these" if others else "that"
+            remedy = f"It has only {known}. Write {choice}, or define `(state {name})` in it"
         creates = new_state(self.report, machine.noun, name)
         return self.report.unknown(code, name, problem, machine.states, remedy, creates) or name
 

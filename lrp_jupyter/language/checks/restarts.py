@@ -17,7 +17,7 @@ def check_restarts(report: Reporter, names: Resolution) -> None:
     for place in names.all_blocks:
         if place.element.kind == "running":
             for name, text, span in _restarted(place.block.text):
-                message = f"`{name}` begins again with {text} at every tick, because `running` is repeated."
+                message = f"`{name}` starts again from {text} at every tick, because `running` is repeated."
                 remedy = "Move this line into `onentry`."
                 if name not in place.visible:
                     remedy = f"Declare `(var {name} := [{text}])`, and remove this line."
