@@ -189,7 +189,14 @@ def _(source: Source) -> Iterator[Slip]:
                     yield slip(end - 1, end - 1, f"; state = {state}")
 
 
-in_worlds("text without its `f`", r"\brobot\.(stop|lamp)\([^()]*\)$", r'print("{robot.gyro.data}")', *ACTIONS)
+@kind("inside: text without its `f`")
+def _(source: Source) -> Iterator[Slip]:
+    for found in places(source, r"\brobot\.(stop|lamp)\([^()]*\)$", *ACTIONS):
+        right = f'{source.text[: found.start]}print(f"{{robot.gyro.data}}"){source.text[found.end :]}'
+        at = found.start + len("print(")
+        yield Slip(((at, at + 1, ""),), (), right)
+
+
 _numbers(
     "robot: bounds that exclude each other",
     rf"\b(?P<all>robot\.(?:light|distance)\.data < (?P<n>{NUMBER}))$",
