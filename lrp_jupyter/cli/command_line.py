@@ -653,9 +653,14 @@ def _names_its_own(file: str) -> bool:
 
 def _challenge_in(file: str) -> str | None:
     """Return the challenge that a program names in its heading; None for what may hold several programs."""
-    from lrp_jupyter.cli.program_source import read_source
+    from lrp_jupyter.cli.program_source import Source, read_source
+    from lrp_jupyter.files import guessed, read_data, shown
 
-    return None if _names_its_own(file) else read_source(file).challenge
+    if _names_its_own(file):
+        return None
+    if Path(file).is_file():  # in any encoding, as programs are read that are handed in
+        return Source(file, guessed(read_data(file), f"`{shown(file)}`")[0], Path(file)).challenge
+    return read_source(file).challenge
 
 
 SWEEP_EPILOG = """

@@ -87,6 +87,15 @@ def test_one_file_that_cannot_be_read_is_a_sentence(lrp, group):
     assert "is not a text" in result.stderr
 
 
+def test_one_file_in_another_encoding_is_graded_in_the_challenge_that_it_names_and_a_guess_is_told(
+    lrp, group
+):
+    (group / "dora.lrp").write_bytes(f"; für später\n; challenge: first move\n{DRIVE}".encode("cp1252"))
+    result = lrp("grade", group / "dora.lrp", "--seeds", "1")
+    assert (result.exit_code, "first move: passed" in result.stdout) == (0, True)
+    assert "Note: `dora.lrp` is not UTF-8 and was read as Windows-1252" in result.stdout
+
+
 @pytest.mark.parametrize(
     ("out", "words"),
     [
