@@ -199,7 +199,8 @@ def _in_list(path: Path) -> list[HandedIn]:
     for number, (line, (name, has_link)) in enumerate(listed, 1):
         parts = (printable(name)[:60] or f"line {number}", f"{number}.url")
         place = f"{_shown(path)}, line {number}"
-        problem = "" if has_link else f"Line {number} of `{shown(path.name)}` has no link to a program."
+        missing = f"Line {number} of `{shown(path.name)}` has no link that contains a program."
+        problem = "" if has_link else missing
         if line.strip():
             found.append(HandedIn(parts, place, partial(bytes, line, "utf-8"), problem))
     return found

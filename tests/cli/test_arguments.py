@@ -80,7 +80,7 @@ def test_no_command_takes_an_empty_text(lrp, here):
         (["run", "follower", "--for", "0", "--trace", "a.csv"], "`.jsonl`, `.jsonl.gz` or `.json`"),
         (["graph", "follower", "--format", "svg", "-o", "a.dot"], "`.svg` or `.txt`"),
         (["graph", "follower", "-o", "a.png"], "`a.svg`"),
-        (["grade", "follower", "--challenge", "square", "--out", "a.png"], "`.csv`, `.json` or `.xml`"),
+        (["grade", "follower", "--challenge", "square", "--out", "a.png"], "`.json`, `.xml` or `.html`"),
         (["sweep", "follower", "--challenge", "square", "--set", "a=1", "--map", "a.png"], "`.svg`"),
         (["sweep", "follower", "--challenge", "square", "--set", "a=1", "--out", "a.xml"], "or `.json`"),
     ],

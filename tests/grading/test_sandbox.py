@@ -38,6 +38,7 @@ def test_what_a_program_can_do_to_a_computer_it_cannot_in_a_sandbox(tmp_path, mo
     secret = tmp_path / "secret"
     secret.write_text("secret")
     monkeypatch.setenv("SECRET", "secret")
+    workers.close_workers()  # those that are idle do not know it
     package = Path(lrp_jupyter.__file__).parent
     with socket.create_server(("127.0.0.1", 0)) as server:
         deeds = [
