@@ -46,9 +46,8 @@ def hints_of(task: Challenge, run: RunRecord) -> Iterator[str]:
     for hint in task.hints:
         text = hint(run)
         found += filter(None, [text] if isinstance(text, str) else text or ())
-    if is_sound:
-        found += never_drove(run)
-        found += () if found else no_command_at_the_end(run)
+    if is_sound and not found:
+        found = [*never_drove(run), *no_command_at_the_end(run)]
     yield from found
     others = _findings(run, lambda finding: finding.severity == "warning" and finding.code not in _NEVER)
     yield from others[:1]

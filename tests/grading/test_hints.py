@@ -191,6 +191,18 @@ def test_turning_errands_and_looking_around_are_no_endless_turns():
     assert "never stopped" not in hints(text, "square")
 
 
+def test_a_push_is_told_with_the_state_that_pushes():
+    assert "wall in `driving` for 1.1 s, from " in hints(DRIVE, "bump and turn")
+
+
+@every("name", ["bump and stay", "stop at the line", "find the line"])
+def test_of_a_robot_that_was_told_nothing_nothing_else_is_told(name):
+    found = hints("(machine m (state a)) (spawn m a)", name)
+    assert "never received a command" in found
+    assert "0.00 m" not in found
+    assert "never told to drive" not in found
+
+
 def test_an_issue_silences_what_would_be_said_of_a_program_that_runs():
     found = hints(WAITS.format("(running [sped])", ""), "bump and stay")
     assert found.startswith("Line 1: `sped`")

@@ -22,14 +22,14 @@ def never_touched(run: RunRecord) -> Iterator[str]:
     if run.stood > 1 and run.driven > 0.1:
         yield (
             f"The robot stopped after {run.still_since:.1f} s, before it touched anything. Let the bumper"
-            " decide when it stops, not the time: `[robot.bumper.data == 1]`."
+            " decide when it stops: `[robot.bumper.data == 1]`."
         )
     elif run.turned.total > 360:
         yield (
             f"The robot turned {run.turned.total:.0f}° and never met anything. Drive straight on until it"
             " bumps."
         )
-    else:
+    elif run.driven > 0.01:
         yield f"The robot drove {run.driven:.2f} m and never touched anything. Drive on until it bumps."
 
 
@@ -38,10 +38,11 @@ def kept_pushing(run: RunRecord) -> Iterator[str]:
     push = longest_push(run)
     if push.seconds > 1:
         against = "a wall" if push.solid.startswith("solid") else f"the {push.solid}"
+        states = next(sample for sample in run.samples if sample.time > push.since).active
+        where = f" in `{states[-1][-1]}`" if states else ""
         yield (
-            f"The robot pushed against {against} for {push.seconds:.1f} s, from {push.since:.1f} s on. A"
-            " transition with the condition `[robot.bumper.data == 1]` has to lead out of the state that"
-            " drives."
+            f"The robot pushed against {against}{where} for {push.seconds:.1f} s, from {push.since:.1f} s on. A"
+            " transition with the condition `[robot.bumper.data == 1]` has to lead out of that state."
         )
 
 
@@ -56,7 +57,7 @@ _ONCE = stops_once()
 
 def never_saw_the_line(run: RunRecord) -> Iterator[str]:
     """Say that the light sensor never saw the line."""
-    if not run.first(sees_line):
+    if not run.first(sees_line) and run.driven > 0.01:
         yield (
             f"The robot drove {run.driven:.2f} m, and its light sensor never saw the line. White reads 255"
             " and black reads 0: on the line it is below 128."

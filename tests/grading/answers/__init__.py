@@ -40,7 +40,7 @@ class Answer(NamedTuple):
         return f"{self.challenge}: {self.about or self.kind}"
 
     def check_hint(self, hints: tuple[str, ...]) -> None:
-        """Assert that the first hint has its words, or the first that the checks did not know before the run."""
+        """Assert that the first hint has its words, or the first one that comes from the run itself."""
         seen = [hint for hint in hints if not _NEVER.search(hint)]
         assert any(self.about in hint for hint in (*hints[:1], *seen[:1])), "\n".join(hints)
 
