@@ -57,7 +57,7 @@ def programs_in(text: str) -> list[Linked]:
 def names_in(text: str) -> list[tuple[str, bool]]:
     """Return, for each line of a list of links, what stands before its link, and whether there is one.
 
-    A line without a link is returned as it is. A text with fewer than two links is not a list, and has no lines.
+    A line without a link is returned as it is. A text with fewer than two links is not a list: it has none.
     """
     lines = [line.strip() for line in text.splitlines()]
     found = [_LINK.search(_plain(line)) for line in lines]

@@ -1,4 +1,4 @@
-"""The page for teachers says which hint comes for which mistake, and for each there is an answer that gets it."""
+"""The page for teachers says which hint comes for which mistake; for each, an answer gets it."""
 
 import re
 from pathlib import Path
