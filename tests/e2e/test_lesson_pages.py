@@ -47,7 +47,9 @@ def test_a_lesson_is_read_run_and_handed_in_by_a_link(visitor, visitors, site, s
     assert handed_in.challenge == "half the speed"
     assert "(var speed := [0.15])" in handed_in.text
 
-    PlainPage(visitors(), site).show(link.removeprefix(f"{site.url}/")).reads(":scope", "speed := [0.15]")
+    other = visitors()
+    PlainPage(other, site).show(link.removeprefix(f"{site.url}/")).reads(":scope", "speed := [0.15]")
+    other.close()
 
     again = Lesson(visitor, site, "00-hello-live-robot")
     assert "[0.15]" in again.run(1).text, "what was typed is kept"
