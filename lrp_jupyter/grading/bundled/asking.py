@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.grading.bundled.squares import square
+from lrp_jupyter.grading.bundled.squares import CORNERS, ELSEWHERE, square
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import ends_in, ends_still, visits
+from lrp_jupyter.grading.criteria import ends_in, ends_still, keeps_to, visits
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import CircleZone, DiscSolid, RobotSpec, World
 
 _START = (0.5, 1.0)
@@ -27,15 +28,16 @@ def _tables(blocked: int) -> World:
     return World(name=name, size=(2.6, 2.0), robots=(RobotSpec((*_START, 0)),), solids=(barrel,), zones=zones)
 
 
-_CORNERS = visits("first corner", "second corner", "third corner", "home")
+_CORNERS = visits(*CORNERS)
+_SIDES = keeps_to(0.06, "home", *CORNERS)
 _ROUND = visits("first", "second", "home")
 
 
 def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
-    reason, (left, right) = _CORNERS.missing(run), run.turned
+    reason, (left, right) = _CORNERS.missing(run) or _SIDES.missing(run), run.turned
     if right > 45 and right > 2 * left:
         yield f"The robot turned {right:.0f}° to the right. To the left, the angle of `turn_by` is positive."
-    if left > 1500:
+    if left > 1000 * run.driven > 0:
         yield f"The robot turned {left:.0f}°. `turn_by` takes radians: `robot.turn_by(degrees(90))`."
     if run.driven > 2.7 or left > 405:
         yield (
@@ -50,8 +52,8 @@ def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
         )
     if reason:
         yield (
-            f"The robot missed a corner: {reason}. Its motors are uneven, so that a speed and a time are not"
-            " a way. Ask for the way: `robot.drive_by(0.6)`, and `robot.turn_by(degrees(90))`."
+            f"The robot missed the square: {reason}. Its motors are uneven, so a speed and a time do not make"
+            " a distance. Ask for the distance: `robot.drive_by(0.6)`, and `robot.turn_by(degrees(90))`."
         )
 
 
@@ -73,14 +75,15 @@ def _served_no_tables(run: RunRecord) -> Iterator[str]:
 
 EXACT_SQUARE = Challenge(
     "exact square",
-    "Drive a square with sides of 60 cm, to the left, and stop where it began: each corner to 6 cm, although"
-    " the motors are uneven.",
+    "Drive a square with sides of 60 cm, to the left, and stop where it began: never further than 6 cm from"
+    " the exact square, although the motors are uneven.",
     (square("exact square", 0.06),),
-    (_CORNERS, ends_in("home"), ends_still(1)),
-    60,
+    (_CORNERS, _SIDES, ends_in("home"), ends_still(1)),
+    120,
     (_drove_no_exact_square,),
     noise={"motor": 0.15},
     seeds=3,
+    vary=(ELSEWHERE,),
     starter=starter("exact square"),
 )
 
@@ -90,7 +93,13 @@ THREE_TABLES = Challenge(
     " world another one: the robot gives up there, backs off, and goes on.",
     tuple(_tables(blocked) for blocked in range(3)),
     (_ROUND, ends_in("home"), ends_still(1)),
-    90,
+    180,
     (_served_no_tables,),
+    noise={"motor": 0.02},
+    seeds=3,
+    vary=(
+        moves("barrel", x=0.04, y=0.04),
+        moves("robot", "home", "first", "second", "barrel", x=0.05, y=0.05),
+    ),
     starter=starter("three tables"),
 )

@@ -31,8 +31,8 @@ def _hall() -> World:
             BoxSolid((2.77, 1, 0.06, 2), name="east wall"),
         ),
         robots=(RobotSpec((0.8, 1, 0), distance=((0.0, 4.0),)),),
-        # so near to the walls that a second without the sensor leads there from any place to turn at
-        zones={"west": BoxZone((0.27, 1, 0.4, 2)), "east": BoxZone((2.53, 1, 0.4, 2))},
+        # where one turns who sees the wall at 40 cm
+        zones={"west": BoxZone((0.35, 1, 0.6, 2)), "east": BoxZone((2.45, 1, 0.6, 2))},
     )
 
 
@@ -89,14 +89,15 @@ _DRIVES_ON = drives_on(0.5)
 SAFE_EDITS = Challenge(
     "safe edits",
     "The robot patrols between two walls, and its distance sensor fails now and then: for a second, it reads"
-    " `inf`. Change the program while it runs, without a restart, so that the robot goes on with its patrol"
-    " and never touches a wall.",
+    " `inf`. Change the program while it runs, without a restart, so that the robot goes on with its patrol,"
+    " four times to each wall, and touches neither.",
     (_hall(),),
-    (edited(), visits(*("east", "west") * 2), touches_nothing(), never_restarts()),
-    120,
+    (edited(), visits(*("east", "west") * 4), touches_nothing(), never_restarts()),
+    150,
     (_was_unsafe,),
-    noise={"motor": 0.003, "dropout": 0.06},
+    noise={"motor": 0.003, "dropout": 0.08},
     seeds=5,
+    vary=(moves("robot", x=0.3, y=0.3),),
     starter=starter("safe edits"),
     live=2,
 )

@@ -13,15 +13,18 @@ from lrp_jupyter.grading.criteria import (
     drives_straight,
     ends_in,
     ends_still,
+    keeps_to,
+    moves_only_in,
     reused,
     visits,
 )
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.language.program import Block, Program
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
 
 
-def square(name: str = "square", radius: float = 0.2) -> World:
+def square(name: str = "square", radius: float = 0.1) -> World:
     """Return a world with zones at the corners of a square to the left of the robot."""
     corners = {
         "home": (1.0, 0.6),
@@ -43,15 +46,21 @@ def _two_squares() -> World:
             f"{side} 2": (x + abs(length), y + length),
             f"{side} 3": (x, y + length),
         }
-    zones = {name: CircleZone((*at, 0.15)) for name, at in corners.items()}
+    zones = {name: CircleZone((*at, 0.12)) for name, at in corners.items()}
     return World(name="two squares", size=(2.4, 2.2), robots=(RobotSpec((x, y, 0)),), zones=zones)
 
 
-_STRAIGHT = drives_straight(0.8)
+_STRAIGHT = drives_straight(0.9)
 _ON_THE_LEFT = visits("left 1", "left 2", "left 3", "home")
 _ON_THE_RIGHT = visits("left 3", "right 1", "right 2", "right 3", "home")
+_EIGHT = ("left 1", "left 2", "left 3", "home", "right 1", "right 2", "right 3", "home")
+_BOTH = keeps_to(0.12, "home", *_EIGHT)
 _REUSED = reused("square")
-_CORNERS = visits("first corner", "second corner", "third corner", "home")
+_ALONE = moves_only_in("square")
+CORNERS = ("first corner", "second corner", "third corner", "home")
+ELSEWHERE = moves("robot", *CORNERS, x=0.3, y=0.2)
+_CORNERS = visits(*CORNERS)
+_SIDES = keeps_to(0.1, "home", *CORNERS)
 
 
 def _drove_no_square(run: RunRecord) -> Iterator[str]:
@@ -112,10 +121,10 @@ _ADDS = re.compile(r"(\b\w+)\s*(\+=|=\s*\1\s*\+)")
 
 
 def _other_corner(run: RunRecord) -> Iterator[str]:
-    if reason := _CORNERS.missing(run):
+    if reason := _CORNERS.missing(run) or _SIDES.missing(run):
         left, right = run.turned
         yield (
-            f"The robot missed a corner: {reason}. Altogether it drove {run.driven:.2f} m and turned"
+            f"The robot missed the square: {reason}. Altogether it drove {run.driven:.2f} m and turned"
             f" {left - right:.0f}°; a side is 0.6 m (at 0.2 m/s, 3000 ms), and each of the four corners 90°"
             " (at 1 rad/s, 1571 ms)."
         )
@@ -137,11 +146,11 @@ def _drove_other_squares(run: RunRecord) -> Iterator[str]:
         )
     if missed:
         yield (
-            f"The robot missed a corner: {missed}. Altogether it drove {run.driven:.2f} m, turned {left:.0f}°"
+            f"The robot missed a square: {missed}. Altogether it drove {run.driven:.2f} m, turned {left:.0f}°"
             f" to the left and {right:.0f}° to the right. At 0.2 m/s, a side of 60 cm takes 3000 ms, and one"
             " of 30 cm 1500 ms."
         )
-    elif reason := _REUSED.missing(run):
+    elif reason := _REUSED.missing(run) or _ALONE.missing(run):
         yield (
             f"Both squares are there, but {reason}. Spawn one machine `square` in both states, the second"
             " time with other values: `(spawn square side (var turn := [-1]))`."
@@ -151,6 +160,8 @@ def _drove_other_squares(run: RunRecord) -> Iterator[str]:
             f"The robot drove both squares, and was still driving after {run.seconds:.0f} s. Let no"
             " transition lead out of the state with the second one."
         )
+    elif reason := _STRAIGHT.missing(run) or _BOTH.missing(run):
+        yield f"The robot came to all corners, but not straight on from one to the next: {reason}."
 
 
 def _blinked_wrongly(run: RunRecord) -> Iterator[str]:
@@ -179,37 +190,43 @@ def _blinked_wrongly(run: RunRecord) -> Iterator[str]:
 
 SQUARE = Challenge(
     "square",
-    "Drive a square with straight sides of 60 cm, to the left, and stop where it began.",
+    "Drive a square with straight sides of 60 cm, to the left, and stop where it began: never further than"
+    " 10 cm from the exact square.",
     (square(),),
-    (_CORNERS, _STRAIGHT, ends_in("home"), ends_still(1)),
-    40,
+    (_CORNERS, _STRAIGHT, _SIDES, ends_in("home"), ends_still(1)),
+    90,
     (_drove_no_square,),
-    noise={"motor": 0.02},
+    noise={"motor": 0.01},
     seeds=3,
+    vary=(ELSEWHERE,),
     starter=starter("square"),
 )
 
 TWO_SQUARES = Challenge(
     "two squares",
     "Drive a square with sides of 60 cm to the left, then one with sides of 30 cm to the right, and stop"
-    " where it began. The machine `square`, which is written once, drives both.",
+    " where it began: never further than 12 cm from the exact squares. The machine `square`, which is written"
+    " once, drives both.",
     (_two_squares(),),
-    (_ON_THE_LEFT, _ON_THE_RIGHT, _REUSED, ends_in("home"), ends_still(1)),
-    60,
+    (_ON_THE_LEFT, _ON_THE_RIGHT, _STRAIGHT, _BOTH, _REUSED, _ALONE, ends_in("home"), ends_still(1)),
+    150,
     (_drove_other_squares,),
-    noise={"motor": 0.02},
+    noise={"motor": 0.01},
     seeds=3,
+    vary=(moves("robot", *_EIGHT, x=0.2, y=0.2),),
     starter=starter("two squares"),
 )
 
 LAMP_AND_LEGS = Challenge(
     "lamp and legs",
-    "While the robot drives the square, let its lamp blink all the time: one second lit, one second dark.",
+    "While the robot drives the square, to 10 cm, let its lamp blink all the time: one second lit, one second"
+    " dark.",
     (square(),),
-    (_CORNERS, blinks(1)),
-    40,
+    (blinks(1), _CORNERS, _STRAIGHT, _SIDES),
+    90,
     (_blinked_wrongly,),
-    noise={"motor": 0.02},
+    noise={"motor": 0.01},
     seeds=3,
+    vary=(ELSEWHERE,),
     starter=starter("lamp and legs"),
 )

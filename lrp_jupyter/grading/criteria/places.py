@@ -10,7 +10,18 @@ from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.run_record import RunRecord, Sample
-from lrp_jupyter.sim.world import BoxZone, DiscSolid, Pose, Solid, World, Zone
+from lrp_jupyter.sim.floor import distance_to
+from lrp_jupyter.sim.world import (
+    BoxZone,
+    DiscSolid,
+    FloorSpec,
+    PathStroke,
+    Pose,
+    Solid,
+    World,
+    Zone,
+    middle_of,
+)
 
 _REST = 0.001  # m; a solid that lies still may tremble so far in one period
 
@@ -54,6 +65,22 @@ def visits(*zones: str) -> Criterion:
         return Found(len(done) / len(zones), reason_of(done, [f"`{zone}`" for zone in zones], "came to"))
 
     return Criterion("comes to " + ", then ".join(f"`{zone}`" for zone in zones), judge, "once")
+
+
+def keeps_to(metres: float, *zones: str) -> Criterion:
+    """Require that the robot was never further than this from the straight ways from zone to zone."""
+
+    def judge(run: RunRecord) -> Found:
+        way = FloorSpec(strokes=(PathStroke(tuple(middle_of(zone_of(run.world, each)) for each in zones)),))
+
+        def furthest(so_far: tuple[float, float], now: Sample, _: Sample) -> tuple[float, float]:
+            return max(so_far, (distance_to(way, now.x, now.y), now.time))
+
+        off, when = run.fold(furthest, (0.0, 0.0), ("furthest from the way", zones))
+        reason = f"it was {off * 100:.0f} cm away after {when:.1f} s" if off else "it never left it"
+        return Found(off <= metres, reason)
+
+    return Criterion(f"is never further than {metres * 100:g} cm from the straight way", judge)
 
 
 def covers(zone: str, share: float, cell: float = 0.3) -> Criterion:

@@ -10,7 +10,7 @@ from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.language.checks.uses import uses_of
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Block, Path
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.frame import is_active
 
@@ -87,6 +87,22 @@ def reused(machine: str, states: int = 2) -> Criterion:
     return Criterion(sentence, judge, "once", needs_motion=False)
 
 
+def moves_only_in(machine: str) -> Criterion:
+    """Require that no other machine of the program moves the robot."""
+
+    def judge(run: RunRecord) -> Found:
+        for path, each in run.programs[-1].walk() if run.programs else ():
+            for state in each.states if machine not in path else ():
+                actions = (*state.onentry, *state.running, *state.onexit)
+                blocks = [action.text for action in actions if isinstance(action, Block)]
+                if any(_MOVING & set(use.names) for text in blocks for use in uses_of("robot", text)):
+                    return Found(0, f"`{state.name}` of `{path[-1]}` moves it")
+        return Found(1, "no other machine moves it")
+
+    return Criterion(f"is moved by `{machine}` only", judge, needs_motion=False)
+
+
+_MOVING = {"move", "drive_by", "drive_to", "turn_by"}
 def without(*members: str) -> Criterion:
     """Require that the program does not use these members of the robot, such as ``"drive_by"``."""
 
