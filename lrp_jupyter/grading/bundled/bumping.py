@@ -92,6 +92,15 @@ def _did_not_turn(run: RunRecord) -> Iterator[str]:
     yield from never_touched(run)
 
 
+def _backed_off_without_a_bump(run: RunRecord) -> Iterator[str]:
+    reason = _ANSWERS.missing(run)
+    if reason and reason.endswith("had not bumped"):
+        yield (
+            f"The robot drives backward without a bump: {reason}. Let the event `[robot.bumper.data == 1]`"
+            " lead to the state that backs off, and nothing else."
+        )
+
+
 def _lit_wrongly(run: RunRecord) -> Iterator[str]:
     lit, backs = run.first(lambda sample: sample.lamp), run.first(_drives_backward)
     if lit is None:
@@ -153,7 +162,7 @@ BUMP_AND_TURN = Challenge(
     _ROOMS,
     (_ANSWERS, backs_off(2), bumps(3, walls=3), never_pushes(1)),
     120,
-    (_did_not_turn,),
+    (_backed_off_without_a_bump, _did_not_turn),
     noise={"motor": 0.02},
     seeds=3,
     vary=(_ANYWHERE,),
@@ -167,7 +176,7 @@ LAMP = Challenge(
     _ROOMS,
     (lit_while("drives backward", _drives_backward), _ANSWERS, backs_off(3)),
     120,
-    (_lit_wrongly,),
+    (_backed_off_without_a_bump, _lit_wrongly),
     noise={"motor": 0.02},
     seeds=3,
     vary=(_ANYWHERE,),
@@ -183,7 +192,7 @@ BUMP_OUT = Challenge(
     _ROOMS,
     (bumps_in(*_WANDERING), _ANSWERS, backs_off(5), never_pushes(1)),
     480,
-    (_stayed_in_a_state,),
+    (_backed_off_without_a_bump, _stayed_in_a_state),
     noise={"motor": 0.02},
     seeds=3,
     vary=(_ANYWHERE,),
