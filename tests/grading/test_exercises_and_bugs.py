@@ -9,6 +9,7 @@ import pytest
 from grading.answers import of_series
 from support.tables import every
 
+from lrp_jupyter import Session
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenges import EXERCISES, challenges_by_series
 from lrp_jupyter.grading.grade import jobs_of
@@ -70,3 +71,10 @@ def test_the_bracket_that_closes_a_machine_has_a_line_of_its_own(each):
     program, _ = scan(each.starter)
     for machine in program.machines if program else ():
         assert each.starter[machine.span.start : machine.span.end].splitlines()[-1].strip() == ")"
+
+
+@every("each", challenges_by_series()["find the bug"])
+def test_the_lab_finds_nothing_in_a_bug_before_it_runs(each):
+    world, _ = each.runs[0]
+    with Session(each.starter, "sim", world=world) as session:
+        assert not [found for found in session.check(session.program) if found.severity != "hint"]

@@ -174,7 +174,7 @@ def test_a_lesson_leads_to_five_exercises_of_which_the_fourth_is_open_and_the_pl
         ("bug 1", "tstop", "fired"),
         ("bug 2", "tstop", "condition-false"),
         ("bug 3", "tstop", "source-inactive"),
-        ("bug 4", "robot.turn_by", "commanded"),
+        ("bug 4", "robot.move", "commanded"),
         ("bug 6", "tend", "fired"),
         ("bug 7", "tturn", "delay-not-over"),
     ],

@@ -63,7 +63,8 @@ EXERCISES = (
         hints=(
             kept_pushing,
             says(
-                "The robot turns and turns. Ask `tdrive`: in which unit is `robot.gyro.data`?",
+                "The robot turns and turns. Ask `tdrive`: which part of its condition is false when the"
+                " robot faces the wall behind?",
                 lambda run: run.turned.total > 400,
             ),
         ),

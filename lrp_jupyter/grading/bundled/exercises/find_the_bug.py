@@ -6,13 +6,13 @@ from dataclasses import replace
 
 from lrp_jupyter.grading.bundled.exercises.exercise import bug, says
 from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, ROOMS, across, hall, lane
-from lrp_jupyter.grading.bundled.exercises.what_the_robot_sees import BEND
 from lrp_jupyter.grading.criteria import (
     backs_off,
     bumps,
     ends_in,
     ends_still,
     finds_line,
+    near_line,
     stays_in,
     stops_at,
     touches,
@@ -92,19 +92,18 @@ BUGS = (
     ),
     bug(
         4,
-        "Drive 60 cm straight on, turn to the left by 90°, drive 40 cm, and stop.",
-        BEND,
-        visits("bend", "end"),
-        ends_in("end"),
-        ends_still(1),
-        seconds=40,
+        "Drive along the edge of the line, to the right end, to the left end, and to the right end again.",
+        "oval",
+        near_line(0.15),
+        visits("right", "left", "right"),
+        seconds=90,
         seeds=4,
-        noise={"motor": 0.15},
+        vary=moves("robot", x=0.1),
         hints=(
             says(
-                "The robot turns on and on. Ask the robot why it does this: by how many radians is it"
-                " asked to turn?",
-                lambda run: run.turned.total > 200,
+                "The robot drives in a circle. Ask it why it does this, once in `left` and once in"
+                " `right`: what is the difference?",
+                lambda run: near_line(0.15).missing(run),
             ),
         ),
     ),

@@ -21,7 +21,7 @@ def _spiral() -> World:
         zip(_SIDES, ((1, 0), (0, 1), (-1, 0), (0, -1)), strict=True), 1
     ):
         x, y = x + side * along, y + side * up
-        zones[f"corner {number}"] = CircleZone((x, y, 0.15))
+        zones[f"corner {number}"] = CircleZone((x, y, 0.17))
     return World(name="spiral", size=(2.6, 2.2), robots=(RobotSpec((1.3, 1.1, 0)),), zones=zones)
 
 
@@ -105,6 +105,7 @@ EXERCISES = (
         ends_still(2),
         seconds=60,
         seeds=3,
+        noise={"motor": 0.01},
         hints=(
             says(
                 "All sides have the same length. `(spawn leg side (var way := [ways[n]]))` gives each use"

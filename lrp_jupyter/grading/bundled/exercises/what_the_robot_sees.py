@@ -14,10 +14,10 @@ from lrp_jupyter.grading.criteria import ends_in, ends_still, touches_nothing, v
 from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, RobotSpec, World
 
-__all__ = ["BEND", "EXERCISES"]
+__all__ = ["EXERCISES"]
 
 _FAINT = tuple(lane(f"grey line at {x:g} m", across((x, 0.05), grey=150), x, 0.16) for x in (1.0, 1.5, 2.2))
-BEND = World(
+_BEND = World(
     name="a bend",
     size=(2.2, 1.8),
     robots=(RobotSpec((0.5, 0.6, 0)),),
@@ -95,7 +95,7 @@ EXERCISES = (
         "4.3",
         "Drive 60 cm straight on, turn to the left by 90°, drive 40 cm, and stop: both places to 6 cm, though"
         " the motors are uneven.",
-        BEND,
+        _BEND,
         visits("bend", "end"),
         ends_in("end"),
         ends_still(1),
