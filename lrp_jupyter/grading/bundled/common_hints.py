@@ -41,8 +41,8 @@ def kept_pushing(run: RunRecord) -> Iterator[str]:
         states = next(sample for sample in run.samples if sample.time > push.since).active
         where = f" in `{states[-1][-1]}`" if states else ""
         yield (
-            f"The robot pushed against {against}{where} for {push.seconds:.1f} s, from {push.since:.1f} s on. A"
-            " transition with the condition `[robot.bumper.data == 1]` has to lead out of that state."
+            f"The robot pushed against {against}{where} for {push.seconds:.1f} s, from {push.since:.1f} s on."
+            " A transition with the condition `[robot.bumper.data == 1]` has to lead out of that state."
         )
 
 
