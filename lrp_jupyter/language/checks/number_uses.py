@@ -130,7 +130,7 @@ def _is_numeric(
         return isinstance(parent.op, ast.USub)
     if isinstance(parent, ast.BinOp):
         other = parent.right if parent.left is name else parent.left
-        is_number = number_of(other) is not None or _is_reading(other)
+        is_number = number_of(other) is not None
         return isinstance(parent.op, _ARITHMETIC) or (is_number and isinstance(parent.op, ast.Add | ast.Mult))
     if isinstance(parent, ast.Compare) and len(parent.ops) == 1:
         other = parent.comparators[0] if parent.left is name else parent.left
@@ -150,5 +150,5 @@ def _is_numeric(
 
 
 def _is_reading(node: ast.expr) -> bool:
-    """Return whether an expression is a reading of the robot, which is compared in order as a number."""
-    return isinstance(node, ast.Attribute) and ast.unparse(node).startswith("robot.")
+    """Return whether an expression is one reading of the robot, which is compared in order as a number."""
+    return isinstance(node, ast.Attribute) and node.attr != "new" and ast.unparse(node).startswith("robot.")
