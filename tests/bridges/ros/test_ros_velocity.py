@@ -63,7 +63,7 @@ def test_each_of_two_velocities_is_watched_limited_and_stopped(make: Make, graph
     ros.begin_tick(1.0, 0.1)
     ros.end_tick(1.0)
     until(lambda: ("/left/command", {"data": 0.0}) in graph.heard)
-    assert any("Put `left` into `running`" in notice.text for notice in ros.safety.notices)
+    assert any("put `left` into `running`" in notice.text for notice in ros.safety.notices)
 
 
 def test_one_of_three_that_is_disconnected_while_it_moves_is_stopped_and_watched_no_more(
