@@ -78,7 +78,9 @@ def _write_page(site: Path, wheel: str, offline: bool) -> str:
             {"name": name, "about": programs.heading(programs.load(name)).description}
             for name in programs.names()
         ],
-        "challenges": [{"name": each.name, "task": each.assignment} for each in challenges()],
+        "challenges": [
+            {"name": each.name, "task": each.assignment, "series": each.series} for each in challenges()
+        ],
     }
     (site / "site.json").write_text(json.dumps(described), encoding="utf-8")
     for file in (_STATIC / "lab.js", _STATIC / "lab.css", *(_STATIC / "site").iterdir()):

@@ -142,6 +142,13 @@ def test_python_that_does_not_answer_is_started_again_with_the_text(counting):
     counting.reads(":scope", "sum(range(10**15))")  # in the editor, or offered
 
 
+def test_the_challenges_are_offered_by_series(plain):
+    plain.show()
+    groups = plain.page.locator("#picker optgroup")
+    labels = groups.evaluate_all("found => found.map(each => each.label)")
+    assert labels == ["Programs", "Challenges", "Exercises of the lessons", "Find the bug"]
+
+
 def test_a_challenge_is_checked_beside_its_robot(plain, simulator):
     lab = plain.show("?challenge=first move")
     lab.do("check")

@@ -11,7 +11,7 @@ export interface Site {
   packages: string[];
   wheel: string;
   programs: { name: string; about: string }[];
-  challenges: { name: string; task: string }[];
+  challenges: { name: string; task: string; series: string }[];
 }
 
 /** What a lab in a lesson needs besides: its own robot, where texts are kept, and what is run before it. */

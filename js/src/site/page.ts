@@ -91,8 +91,15 @@ class Page {
         ...items.map(({ name, title }) => h("option", { value: `${key}=${name}`, title }, name)),
       );
     const programs = this.site.programs.map(({ name, about }) => ({ name, title: about }));
-    const challenges = this.site.challenges.map(({ name, task }) => ({ name, title: task }));
-    picker.append(group("Programs", "program", programs), group("Challenges", "challenge", challenges));
+    const series = new Map<string, { name: string; title: string }[]>();
+    for (const { name, task, series: title } of this.site.challenges) {
+      const key = title ? title.charAt(0).toUpperCase() + title.slice(1) : "Challenges";
+      series.set(key, [...(series.get(key) ?? []), { name, title: task }]);
+    }
+    picker.append(
+      group("Programs", "program", programs),
+      ...[...series].map(([title, members]) => group(title, "challenge", members)),
+    );
     picker.addEventListener("change", async () => {
       const [key, name] = picker.value.split("=") as ["program" | "challenge", string];
       history.pushState(null, "", await addressOf({ [key]: name }, base));
