@@ -12,7 +12,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import lrp_jupyter
 from lrp_jupyter.errors import LRPError
 
 _SYSTEM = (
@@ -62,5 +61,5 @@ def _command() -> list[str]:
 def _python() -> list[str]:
     """Return where Python and the packages are: no folder that may hold something else."""
     installed = [path for path in sys.path if Path(path).name in ("site-packages", "dist-packages")]
-    package = str(Path(lrp_jupyter.__file__).parent)
+    package = str(Path(__file__).parents[1])
     return [sys.base_prefix, sys.prefix, *map(str, map(Path.absolute, map(Path, installed))), package]
