@@ -103,7 +103,7 @@ def test_a_mistake_in_a_name_is_answered_with_the_right_one(rover: Bare) -> None
 
 @pytest.mark.parametrize("value", ["fast", None, True, [1], 1j, math.nan, math.inf, -math.inf])
 def test_only_finite_numbers_are_numbers(rover: Bare, value: object) -> None:
-    with pytest.raises(BridgeError, match=r"`msg\.linear\.x` must be a (finite )?number"):
+    with pytest.raises(BridgeError, match=r"`linear` must be a (finite )?number"):
         rover.robot.move(linear=value)
     with pytest.raises(BridgeError, match=r"`msg\.angular\.z` must be"):
         rover.robot.move(lambda msg: setattr(msg.angular, "z", value))

@@ -18,6 +18,8 @@ _NAMED = re.compile(
     |\biconButton\(\s*"[\w-]+",\s*{_TEXT}      # a button without words
     |\bpanel\(\s*"[\w-]+",\s*{_TEXT}           # a part of the lab
     |h\("span",\s*\{{\}},\s*{_TEXT}            # what stands beside a slider
+    |h\("button",\s*\{{[^}}]*\}},\s*{_TEXT}     # a button of a page of the site
+    |<button[^>]*>([^<]+)</button>             # and one that is written in it
     |\[\s*"[\w-]+",\s*{_TEXT}\s*\]            # an item in a list of them
     |\?\s*{_TEXT}\s*:\s*{_TEXT}                # a button with two faces
     """,
@@ -29,7 +31,7 @@ _NAMED = re.compile(
 def named_in_the_lab() -> set[str]:
     """Every name under which a person finds something in the lab: labels, and titles up to a colon."""
     names: set[str] = set()
-    for file in JAVASCRIPT.rglob("*.ts"):
+    for file in (*JAVASCRIPT.rglob("*.ts"), *JAVASCRIPT.rglob("*.html")):
         for groups in _NAMED.findall(file.read_text(encoding="utf-8")):
             names.update(name.partition(":")[0] for name in groups if name)
     return names

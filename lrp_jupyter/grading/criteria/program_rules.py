@@ -103,6 +103,8 @@ def moves_only_in(machine: str) -> Criterion:
 
 
 _MOVING = {"move", "drive_by", "drive_to", "turn_by"}
+
+
 def without(*members: str) -> Criterion:
     """Require that the program does not use these members of the robot, such as ``"drive_by"``."""
 
