@@ -7,6 +7,7 @@ have changed its own marks: programs run in the process that judges them.
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable, Iterator
 
 from lrp_jupyter.language.checks.scanned import ScannedBlock
@@ -20,13 +21,18 @@ _USUAL = frozenset(
 """Modules that only compute."""
 _CLOCK = "imports `{}`, whose clock is that of the run when it is graded"
 _MODULES = {"time": _CLOCK, "datetime": _CLOCK, "lrp_jupyter": "imports `{}`, which judges the program"}
+_LOOKS_UP = "looks up a name with `{}`"
 _NAMES = {
     "open": "opens a file with `{}`",
     **dict.fromkeys(("eval", "exec", "compile"), "runs a text as Python with `{}`"),
-    **dict.fromkeys(
-        ("getattr", "setattr", "delattr", "vars", "globals", "locals"), "looks up a name with `{}`"
-    ),
+    **dict.fromkeys(("getattr", "setattr", "delattr", "vars", "globals", "locals"), _LOOKS_UP),
 }
+_WAYS_OUT = {
+    **dict.fromkeys(("attrgetter", "methodcaller", "get_field", "get_type_hints"), _LOOKS_UP),
+    **dict.fromkeys(("sys", "builtins", "bltns", "inspect"), "reaches another module with `.{}`"),
+}
+"""What leads from the usual modules to everything else."""
+_FRAME = re.compile("(gi|ag|cr|tb|f)_(frame|back|locals|globals|builtins)")
 
 
 def notes_about(texts: Iterable[str]) -> tuple[str, ...]:
@@ -49,8 +55,18 @@ def _notes(node: ast.AST, block: ScannedBlock, variables: Iterable[str]) -> Iter
             yield from (_import(alias.name) for alias in node.names if alias.name not in _USUAL)
         case ast.ImportFrom() if node.module not in _USUAL:
             yield _import(node.module or ".")
+        case ast.ImportFrom():
+            yield from (
+                _WAYS_OUT[alias.name].format(alias.name) for alias in node.names if alias.name in _WAYS_OUT
+            )
+        case ast.MatchClass():
+            yield from (f"uses `.{name}`" for name in node.kwd_attrs if name.startswith("_"))
         case ast.Attribute() if node.attr.startswith("_"):
             yield f"uses `.{node.attr}`"
+        case ast.Attribute() if _FRAME.fullmatch(node.attr):
+            yield f"looks into frames with `.{node.attr}`"
+        case ast.Attribute() if node.attr in _WAYS_OUT:
+            yield _WAYS_OUT[node.attr].format(node.attr)
         case ast.Attribute(ctx=ast.Store() | ast.Del()):
             root = ast.unparse(node).partition(".")[0]
             if root == "robot" or root in block.imported or not root.isidentifier():

@@ -70,13 +70,24 @@ NOTED = {
     "import math; math.pi = 3": "changes `math.pi`",
     "robot.move.x = 3": "changes `robot.move.x`",
     "type(robot).move = 3": "changes `type(robot).move`",
+    "import operator; operator.attrgetter('move')(robot)": "looks up a name with `attrgetter`",
+    "from operator import methodcaller": "looks up a name with `methodcaller`",
+    "import string; string.Formatter().get_field('0', [robot], {})": "looks up a name with `get_field`",
+    "import typing; typing.get_type_hints(robot)": "looks up a name with `get_type_hints`",
+    "import enum; enum.sys": "reaches another module with `.sys`",
+    "from dataclasses import inspect": "reaches another module with `.inspect`",
+    "g = (g for _ in [1]); g.gi_frame": "looks into frames with `.gi_frame`",
+    "f.f_back": "looks into frames with `.f_back`",
+    "\nmatch robot:\n    case object(_bridge=b): pass": "uses `._bridge`",
 }
 
 
 def test_a_program_that_reaches_beyond_its_robot_is_noted_with_its_line():
     text = "(machine m\n (state a)\n (state b (running [0]))) (spawn m a)"
     noted = {block: notes_about([text.replace("0", block)]) for block in NOTED}
-    assert noted == {block: (f"Line 3 {note}.",) for block, note in NOTED.items()}
+    assert noted == {
+        block: (f"Line {5 if 'match' in block else 3} {note}.",) for block, note in NOTED.items()
+    }
 
 
 CARRIED = [
