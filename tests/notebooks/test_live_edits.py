@@ -812,7 +812,7 @@ def _beside(pacer: Typist) -> float:
 def test_the_pacer_bends_off_and_its_odometry_does_not_notice_that_it_is_lifted():
     pacer = _pacer()
     assert 0.55 < _beside(pacer) < 0.65
-    assert "60 cm beside its way" in pacer.said
+    assert "60 cm off course" in pacer.said
     read = pacer.runs(0.2).session.bridge.robot
     assert (read.odom.y, read.gyro.data) == pytest.approx((0.59, 0.46), abs=0.02)
     before = read.odom.x, read.odom.y
