@@ -109,7 +109,7 @@ BACKS = "(on bump driving -> backing) (ontime 1000 backing -> turning)"
 WAITS = (
     "(machine m (state waiting {}) (state driving (running [robot.move(linear=0.2)])) {}) (spawn m waiting)"
 )
-SLOW = SQUARE.replace("0.2", "0.05").replace("3000", "12000")
+SLOW = SQUARE.replace("0.2", "0.02").replace("3000", "30000")
 FIRST_HINTS = {
     (
         "bump and turn",
@@ -146,7 +146,7 @@ FIRST_HINTS = {
     (
         "square",
         SLOW,
-    ): "The time was over after 40 s, and the robot was still on its way: it came to `third corner`",
+    ): "The time was over after 90 s, and the robot was still on its way: it came to `third corner`",
     ("square", "(machine m (state a)) (spawn mm a)"): "There is no machine `mm`",
     ("square", "(machine m (state a))"): "Nothing was active. Write `(spawn machine state)`",
 }
