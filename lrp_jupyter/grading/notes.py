@@ -14,6 +14,8 @@ from lrp_jupyter.language.checks.scanned import ScannedBlock
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.resolution import resolve
 
+LONGEST = 30_000
+"""Characters of a program that is looked through: a longer one could hold up a class."""
 _USUAL = frozenset(
     {"bisect", "cmath", "collections", "dataclasses", "decimal", "enum", "fractions", "functools", "heapq"}
     | {"itertools", "math", "numbers", "operator", "random", "re", "statistics", "string", "typing"}
@@ -38,15 +40,18 @@ _FRAME = re.compile("(gi|ag|cr|tb|f)_(frame|back|locals|globals|builtins)")
 def notes_about(texts: Iterable[str]) -> tuple[str, ...]:
     """Return a sentence for each thing of note in programs; none for what is not a valid program."""
     found: dict[str, int] = {}
+    texts = list(texts)
     for text in texts:
-        program, _ = scan(text)
+        program, _ = scan(text) if len(text) <= LONGEST else (None, ())
         for place in resolve(program).all_blocks if program else ():
             block = ScannedBlock(place.block.text)
             for node in block.nodes:
                 for note in _notes(node, block, place.visible):
                     at = place.block.at(block.span(node)).start
                     found.setdefault(note, text.count("\n", 0, at) + 1)
-    return tuple(f"Line {line} {note}." for note, line in found.items())
+    too_long = any(len(text) > LONGEST for text in texts)
+    unread = f"The program has more than {LONGEST:,} characters, so it was not looked through. Read it."
+    return (*[unread] * too_long, *(f"Line {line} {note}." for note, line in found.items()))
 
 
 def _notes(node: ast.AST, block: ScannedBlock, variables: Iterable[str]) -> Iterator[str]:

@@ -15,6 +15,7 @@ from dataclasses import fields, is_dataclass
 from itertools import combinations
 from typing import NamedTuple
 
+from lrp_jupyter.grading.notes import LONGEST
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Block, Name
 from lrp_jupyter.language.python.block_suite import parse_block
@@ -39,7 +40,7 @@ class Alike(NamedTuple):
 def alike(programs: Mapping[str, str], given: str = "", least: float = 0.8) -> list[Alike]:
     """Return the pairs of programs of which at least a share is alike, most alike first.
 
-    Programs that are not valid, or to which little was added, are not compared.
+    Programs that are not valid or too long, or to which little was added, are not compared.
 
     `programs`: texts, by what they are called.
     `given`: the text that was given out.
@@ -72,8 +73,8 @@ def groups_of(pairs: Iterable[Alike]) -> list[tuple[str, ...]]:
 
 
 def parts_of(text: str) -> Counter[str]:
-    """Return the parts of a program, and how often it has each; none if it is not a valid program."""
-    program, _ = scan(text)
+    """Return the parts of a program, and how often it has each; none if it is not valid, or too long."""
+    program, _ = scan(text) if len(text) <= LONGEST else (None, ())
     found: Counter[str] = Counter()
     if program is not None:
         _tree(program, frozenset(_named(program)), found)

@@ -16,14 +16,14 @@ from support.tables import every
 from support.waiting import until
 
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.grading import workers
+from lrp_jupyter.grading import notes, similarity, workers
 from lrp_jupyter.grading.attempt import Attempt, Job
 from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.criteria.criterion import Verdict
 from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.grading.marks import grade_class
-from lrp_jupyter.grading.notes import notes_about
+from lrp_jupyter.grading.notes import LONGEST, notes_about
 from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.programs import load, names
@@ -115,6 +115,16 @@ def test_an_ordinary_program_is_not_noted():
     block = "for _ in range(3): import math, random; n = math.pi; msg = robot.drive_to; log.append(open)"
     usual = f"(var open := [0]) (var log := [[]]) (machine m (state a (running [{block}]))) (spawn m a)"
     assert notes_about([usual, "(machine", *map(load, names())]) == ()
+
+
+def test_a_program_that_would_hold_up_the_class_is_not_looked_through_but_noted(monkeypatch):
+    """Its run has a limit of its own; the process that grades the class has none."""
+    text = DRIVE + f"; {'x' * LONGEST}"
+    for module in (notes, similarity):
+        monkeypatch.setattr(module, "scan", lambda text: pytest.fail("it is parsed") if text else (None, ()))
+    (note,) = notes_about([text])
+    assert note.startswith(f"The program has more than {LONGEST:,} characters")
+    assert similarity.alike({"Ada": text, "Bob": text}) == []
 
 
 def test_what_is_noted_is_in_the_marks_and_costs_nothing():
