@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from lrp_jupyter.bridges.guarding.safety import Notice
 from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.bridges.wheel_tasks import ERRANDS
 from lrp_jupyter.errors import Finding
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -32,6 +33,7 @@ class Sample(NamedTuple):
     `command`: the commanded speeds: m/s, rad/s.
     `lamp`: whether the lamp is lit.
     `version`: of the program that ran: how many edits there were before that changed what it says.
+    `task`: the name of the one for which the robot drives, such as ``"drive_by"``; may be empty.
     """
 
     time: float
@@ -47,6 +49,7 @@ class Sample(NamedTuple):
     command: tuple[float, float]
     lamp: bool
     version: int
+    task: str = ""
 
     def distance(self, other: Sample) -> float:
         """Return the distance between the robot in two samples, in metres."""
@@ -120,6 +123,7 @@ class RunRecord:
                 robot.command,
                 robot.memory.lamp,
                 len(self.programs) - 1,
+                "" if robot.memory.errand is None else ERRANDS[type(robot.memory.errand.what)],
             )
         )
         self.issues = tuple(issue for issue in interpreter.issues if not issue.resolved)

@@ -277,6 +277,13 @@ def test_a_program_that_must_do_without_a_task_may_name_it_in_a_comment():
     assert without("drive_by", "turn_by").missing(record) == "it uses `robot.turn_by`"
 
 
+def test_a_task_that_a_program_reaches_by_another_name_is_used():
+    record = run(1)
+    record.programs.append(parse("(machine m (state a))"))
+    record.samples[-1] = record.samples[-1]._replace(task="drive_to")
+    assert without("drive_to").missing(record) == "it uses `robot.drive_to`"
+
+
 @every(("angle", "gap"), [(0, 0.87), (math.pi / 2, 0.42)])
 def test_the_gap_to_a_box_is_that_to_its_nearest_side(angle, gap):
     (sample,) = run(0).samples

@@ -106,7 +106,10 @@ _MOVING = {"move", "drive_by", "drive_to", "turn_by"}
 
 
 def without(*members: str) -> Criterion:
-    """Require that the program does not use these members of the robot, such as ``"drive_by"``."""
+    """Require that the program does not use these tasks of the robot, such as ``"drive_by"``.
+
+    It neither names one in its text nor has the robot drive for one, by whatever name it reaches it.
+    """
 
     def judge(run: RunRecord) -> Found:
         used = {
@@ -116,11 +119,17 @@ def without(*members: str) -> Criterion:
             for use in uses_of("robot", placed.block.text)
             if use.names
         }
-        found = [f"`robot.{name}`" for name in members if name in used]
+        driven_for = run.fold(_tasks, nothing, "tasks")
+        found = [f"`robot.{name}`" for name in members if name in used | driven_for]
         return Found(not found, f"it uses {' and '.join(found)}" if found else "it uses none of them")
 
+    nothing: frozenset[str] = frozenset()
     listed = ", ".join(f"`{name}`" for name in members)
     return Criterion(f"does without {listed}", judge, "always", needs_motion=False)
+
+
+def _tasks(so_far: frozenset[str], now: Sample, _: Sample) -> frozenset[str]:
+    return so_far if now.task in so_far else so_far | {now.task}
 
 
 def edited(times: int = 1) -> Criterion:
