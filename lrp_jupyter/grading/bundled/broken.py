@@ -7,6 +7,7 @@ from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import Criterion, Found, bumps, drives, enters, never_pushes
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves
+from lrp_jupyter.language.checks.uses import uses_of
 
 __all__ = ["BROKEN_ROBOTS"]
 
@@ -30,6 +31,26 @@ def _never_enters(state: str) -> Criterion:
         return Found(found is None, f"entered after {found.time:.1f} s" if found else "never entered")
 
     return Criterion(f"never enters `{state}`", judge, "always", needs_motion=False)
+
+
+def _only_by(transition: str, name: str) -> Criterion:
+    """Require that no other transition leads where this one does, and that it still asks for a name."""
+
+    def judge(run: RunRecord) -> Found:
+        machines = [machine for program in run.programs[-1:] for _, machine in program.walk()]
+        transitions = [each for machine in machines for each in machine.transitions]
+        own = next((each for each in transitions if each.name == transition), None)
+        if own is None:
+            return Found(0, f"there is no transition `{transition}`")
+        if sum(each.destination == own.destination for each in transitions) > 1:
+            return Found(0, f"another transition leads to `{own.destination}`, too")
+        events = {str(event.name): event.condition.text for machine in machines for event in machine.events}
+        root, _, member = name.partition(".")
+        uses = uses_of(root, events.get(own.trigger.text) or own.trigger.text)
+        depends = any(member in ("", *use.names[:1]) for use in uses)
+        return Found(depends, f"it {'depends' if depends else 'does not depend'} on `{name}`")
+
+    return Criterion(f"gets on by `{transition}` only, which depends on `{name}`", judge, needs_motion=False)
 
 
 def _ask(transition: str) -> str:
@@ -65,6 +86,7 @@ BROKEN_ROBOTS = (
         "It bumps into a box. Then it should back off: ask `tback`.",
         _ask("tback"),
         enters("driving", "backing"),
+        _only_by("tback", "robot.bumper"),
         bumps(1),
         never_pushes(0.5),
     ),
@@ -80,13 +102,14 @@ BROKEN_ROBOTS = (
         "At level 2 it should sound the alarm: ask `talarm`.",
         _ask("talarm"),
         enters("sinking", "alarm"),
+        _only_by("talarm", "level"),
         _never_enters("saving"),
     ),
     _robot(
         4,
         "Its search should swing to the right: ask `tright`.",
         _ask("tright"),
-        enters("moving", "left", "right"),
+        enters("moving", "search/looking/sweep/left", "search/looking/sweep/right"),
     ),
     _robot(
         5,
@@ -99,5 +122,6 @@ BROKEN_ROBOTS = (
         "It should be done after three laps: ask `tdone`.",
         _ask("tdone"),
         enters("counting", "done"),
+        _only_by("tdone", "laps"),
     ),
 )
