@@ -68,12 +68,12 @@ PUSH_THE_BOX = Challenge(
     "push the box",
     "Push the box in front of you into the goal, and leave it there for two seconds. When the robot is on the"
     " black line, the box is in the goal.",
-    (_box_after(0.3, 1.8), _box_after(0.6, 2.4), _box_after(0.9, 2.1)),
+    (_box_after(0.3, 1.8), _box_after(0.6, 2.4), _box_after(0.9, 2.45)),
     (pushes("box", "goal", 2), stops_once()),
     90,
     (_hints,),
     noise={"motor": 0.02},
     seeds=2,
-    vary=(moves("box", x=0.1, y=0.01), moves("goal", "floor", x=0.15), shades(30)),
+    vary=(moves("box", x=0.1, y=0.01), moves("goal", "floor", x=0.45), shades(30)),
     starter=starter("push the box"),
 )
