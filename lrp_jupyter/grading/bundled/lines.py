@@ -215,10 +215,10 @@ STOP_AT_THE_LINE = Challenge(
 STOP_AT_THE_WIDE_LINE = Challenge(
     "stop at the wide line",
     "Drive over the thin lines, and stop on the wide one.",
-    (
+    (  # the first two lines are equally far apart, so that they do not tell where the wide one is
         _thin_and_wide("three thin lines", (0.8, 1.1, 1.4), 2.0),
-        _thin_and_wide("five thin lines", (0.7, 0.9, 0.97, 1.5, 1.9), 2.6),
-        _thin_and_wide("a thin line before and after", (0.9, 2.0), 1.4),
+        _thin_and_wide("five thin lines", (0.7, 1.0, 1.07, 1.5, 1.9), 2.6),
+        _thin_and_wide("a thin line before and after", (0.9, 2.0), 1.2),
     ),
     (visits("wide line"), ends_in("wide line"), ends_still(2), stops_once()),
     90,
