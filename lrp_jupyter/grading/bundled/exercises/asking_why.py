@@ -53,7 +53,7 @@ EXERCISES = (
     ),
     exercise(
         "8.3",
-        "At the bump back off, turn round, and drive to the wall behind. Two conditions are never true: ask,"
+        "At the bump, back off, turn round, and drive to the wall behind. Two conditions are never true: ask,"
         " repair one, and ask again.",
         HALLS,
         touches("wall ahead", "wall behind"),
@@ -71,7 +71,7 @@ EXERCISES = (
     ),
     exercise(
         "8.5",
-        "Stop at the line. The robot does so in some runs, and in others it drives on: find out what is"
+        "Stop at the line. The robot does so in some runs, and drives on in others: find out what is"
         " different in those.",
         _THIN,
         ends_in("stop"),

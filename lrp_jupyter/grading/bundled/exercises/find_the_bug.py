@@ -109,7 +109,7 @@ BUGS = (
     ),
     bug(
         5,
-        "Back off at each bump, turn, and drive on; stop after the third time.",
+        "Back off at each bump, turn, and drive on. Stop after the third bump.",
         ROOMS,
         bumps(3),
         backs_off(3),
@@ -161,7 +161,7 @@ BUGS = (
     ),
     bug(
         8,
-        "Stop on the third of the five lines. The robot does so in some runs, and in others it stops before.",
+        "Stop on the third of the five lines. The robot does so in some runs, and stops too early in others.",
         (_stripes("stripes", 1.0, 0.3), _stripes("narrow stripes", 0.9, 0.22)),
         ends_in("stop"),
         ends_still(2),

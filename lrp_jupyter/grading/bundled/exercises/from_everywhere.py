@@ -80,8 +80,8 @@ EXERCISES = (
     ),
     exercise(
         "6.2",
-        "Turn away from a wall, but for the one behind the black line: drive up to that, until the robot"
-        " bumps, and stay there.",
+        "Turn away from every wall except the one behind the black line: drive up to that one until the"
+        " robot bumps, and stay there.",
         tuple(map(_dock, (1.8, 2.2, 2.6))),
         touches("wall"),
         stops_at("wall", 1),
@@ -99,8 +99,8 @@ EXERCISES = (
     ),
     exercise(
         "6.3",
-        "Whichever of `straight` and `left` is active at a bump, let the robot escape: back off, turn"
-        " until the way is free, and then wander on.",
+        "Whichever of `straight` and `left` is active at a bump, let the robot escape: back off, turn until"
+        " the way ahead is clear, and then wander on.",
         ROOMS,
         bumps_in("left"),
         backs_off(4),
@@ -119,8 +119,8 @@ EXERCISES = (
     ),
     exercise(
         "6.5",
-        "Wander about, and back off at each bump, but for the third one: at that, whichever state is active,"
-        " stop for good, with the lamp lit.",
+        "Wander about, and back off at the first two bumps. At the third one, whichever state is active,"
+        " stop for good with the lamp lit.",
         ROOMS,
         bumps(3),
         Criterion("backs off twice at most", _backs_off_twice, "always"),

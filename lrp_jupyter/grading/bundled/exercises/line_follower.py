@@ -84,8 +84,8 @@ EXERCISES = (
     ),
     exercise(
         "7.5",
-        "In the line is a gap of 6 cm. Follow it to its end all the same, and never go further than 15"
-        " cm away from it.",
+        "The line has a gap of 6 cm. Follow it to its end all the same, and never stray further than 15 cm"
+        " from it.",
         _GAPS,
         visits("end"),
         _NEAR,

@@ -48,8 +48,8 @@ def _slow_near_the_wall(run: RunRecord) -> tuple[float, str]:
 EXERCISES = (
     exercise(
         "12.1",
-        "The robot is on its way to the wall. Change the program before it is there, without a restart,"
-        " so that a bump stops it within a second.",
+        "The robot is on its way to the wall. Change the program before it gets there, without a restart, so"
+        " that a bump stops it within a second.",
         _LONG,
         edited(),
         touches("wall ahead"),
@@ -89,8 +89,8 @@ EXERCISES = (
     ),
     exercise(
         "12.3",
-        "Change the program while it runs, without a restart: nearer to the wall than 45 cm, the robot"
-        " must not be faster than 0.15 m/s. It stops before the wall as it does now.",
+        "Change the program while it runs, without a restart: within 45 cm of the wall, the robot must not"
+        " be faster than 0.15 m/s. It has to stop before the wall as it does now.",
         tuple(hall(ahead, distance=0.2) for ahead in (1.7, 2.0)),
         edited(),
         Criterion("is never faster than 0.15 m/s near the wall", _slow_near_the_wall, "always"),
@@ -112,8 +112,8 @@ EXERCISES = (
     ),
     exercise(
         "12.5",
-        "The robot drives in a circle. Let it drive on at half the speed, without a restart: the one"
-        " state that there is, is always active, and the speed stands in its `running`.",
+        "The robot drives in a circle. Let it drive on at half the speed, without a restart. Its only state"
+        " is always active, and the speed is written in the `running` of that state.",
         "empty",
         edited(),
         slows_to(0.5),

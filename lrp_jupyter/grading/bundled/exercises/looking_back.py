@@ -79,8 +79,8 @@ EXERCISES = (
     ),
     exercise(
         "9.5",
-        "Two carts cross the way. Get to the goal, and touch nothing: the robot does not always start at the"
-        " same place.",
+        "Two carts cross the robot's path. Get to the goal, and touch nothing. The robot does not always"
+        " start in the same place.",
         "crossing",
         visits("goal"),
         touches_nothing(),

@@ -47,8 +47,8 @@ _TOO_SOON = says(
 EXERCISES = (
     exercise(
         "13.1",
-        "Drive an eight: a circle to the left, then one to the right. The machine `circle`, which is written"
-        " once, drives both.",
+        "Drive a figure of eight: a circle to the left, then one to the right. The machine `circle`, which"
+        " is written once, drives both.",
         _ROOM,
         turns_to("left", 300),
         turns_to("right", 300),
@@ -59,7 +59,7 @@ EXERCISES = (
     ),
     exercise(
         "13.2",
-        "Drive two eights, and then stop.",
+        "Drive two figures of eight, and then stop.",
         _ROOM,
         turns_to("left", 660),
         turns_to("right", 660),
@@ -71,9 +71,9 @@ EXERCISES = (
     ),
     exercise(
         "13.3",
-        "Drive a circle to the left with a radius of 25 cm, a small one to the right with a radius of 10"
-        " cm, again a large one to the left, and then stop. The machine `circle`, which is written once,"
-        " drives all three.",
+        "Drive a circle to the left with a radius of 25 cm, a small one to the right with a radius of 10 cm,"
+        " another large one to the left, and then stop. The machine `circle`, which is written once, drives"
+        " all three.",
         _ROOM,
         turns_to("left", 620),
         turns_to("right", 300),

@@ -37,7 +37,7 @@ _MISSED = says(
 EXERCISES = (
     exercise(
         "10.1",
-        "Stop at the line in nine of ten runs, although the light sensor is a bad one.",
+        "Stop at the line in nine out of ten runs, although the light sensor is poor.",
         _LANE,
         ends_in("stop"),
         ends_still(2),
@@ -50,7 +50,7 @@ EXERCISES = (
     ),
     exercise(
         "10.2",
-        "Stop before the wall, no further than 40 cm away, in nine of ten runs. Now and then the distance"
+        "Stop before the wall, no further than 40 cm away, in nine out of ten runs. Now and then the distance"
         " sensor sees something that is not there.",
         _HALL,
         touches_nothing(),
@@ -71,8 +71,8 @@ EXERCISES = (
     ),
     exercise(
         "10.3",
-        "Follow the line to the right end, to the left end, and to the right end again within 70 seconds,"
-        " in nine of ten runs, although sensor and motors are bad ones.",
+        "Follow the line to the right end, to the left end, and to the right end again within 70 seconds, in"
+        " nine out of ten runs, although the sensor and the motors are poor.",
         "oval",
         within(70, visits("right", "left", "right")),
         _NEAR,
@@ -92,8 +92,8 @@ EXERCISES = (
     ),
     exercise(
         "10.5",
-        "Stop at the wide line in nine of ten runs. The light sensor is so bad that one reading says"
-        " nothing.",
+        "Stop at the wide line in nine out of ten runs. The light sensor is so poor that a single reading"
+        " tells you nothing.",
         _WIDE,
         ends_in("stop"),
         ends_still(2),

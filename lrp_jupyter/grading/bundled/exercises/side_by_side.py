@@ -99,8 +99,8 @@ EXERCISES = (
     ),
     exercise(
         "11.5",
-        "Drive to about 20 cm before the wall, and stop. On the way let the lamp blink, half a second lit"
-        " and half a second dark; from the stop on let it be lit.",
+        "Drive to about 20 cm before the wall, and stop. On the way, let the lamp blink: half a second lit,"
+        " half a second dark. Once the robot has stopped, the lamp stays lit.",
         _NEAR_HALLS,
         touches_nothing(),
         ends_in("before the wall"),

@@ -22,7 +22,7 @@ _GOES_ON = says(
 EXERCISES = (
     exercise(
         "1.1",
-        "Drive to the wall ahead. At the bump drive backward, to the wall behind.",
+        "Drive to the wall ahead. When the robot bumps, drive backward to the wall behind.",
         HALLS,
         touches("wall ahead", "wall behind"),
         never_pushes(1),
@@ -32,7 +32,7 @@ EXERCISES = (
     ),
     exercise(
         "1.2",
-        "Drive to the wall ahead. There turn on the spot to the left, twice around at least.",
+        "Drive to the wall ahead. There, turn on the spot to the left, at least twice around.",
         HALLS,
         touches("wall ahead"),
         turns_to("left", 720, after="wall ahead"),
@@ -43,8 +43,8 @@ EXERCISES = (
     ),
     exercise(
         "1.3",
-        "Drive to and fro: to the wall ahead, to the wall behind, and to the wall ahead again. Before each"
-        " turn back off, and never push for longer than a second.",
+        "Drive to and fro: to the wall ahead, to the wall behind, and to the wall ahead again. Back off"
+        " before each turn, and never push for longer than a second.",
         HALLS,
         touches("wall ahead", "wall behind", "wall ahead"),
         never_pushes(1),

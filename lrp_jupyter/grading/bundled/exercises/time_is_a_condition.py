@@ -102,8 +102,8 @@ EXERCISES = (
     ),
     exercise(
         "3.5",
-        "Drive over the thin lines. On the wide line stop for three seconds, with the lamp lit; then drive on"
-        " to the wall, over more thin lines, with the lamp dark.",
+        "Drive over the thin lines. On the wide line, stop for three seconds with the lamp lit. Then drive"
+        " on to the wall, over more thin lines, with the lamp dark.",
         _STREETS,
         lit_while("stands", _stands, 0.8),
         rests_in("stop", 3),

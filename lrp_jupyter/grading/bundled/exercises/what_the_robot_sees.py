@@ -71,7 +71,7 @@ EXERCISES = (
     ),
     exercise(
         "4.2",
-        "The line across the way is grey, and the robot drives over it. Let it stop at the line.",
+        "The line across the robot's path is grey, and the robot drives over it. Let it stop at the line.",
         _FAINT,
         ends_in("stop"),
         ends_still(2),
@@ -86,15 +86,15 @@ EXERCISES = (
             ),
             says(
                 "The robot stopped before the line: white is not exactly 255 in every tick. Put the"
-                " threshold half way between the line and the floor.",
+                " threshold halfway between the line and the floor.",
                 lambda run: run.stood > 1,
             ),
         ),
     ),
     exercise(
         "4.3",
-        "Drive 60 cm straight on, turn to the left by 90°, drive 40 cm, and stop: both places to 6 cm, though"
-        " the motors are uneven.",
+        "Drive 60 cm straight on, turn to the left by 90°, drive 40 cm, and stop. Reach both places to"
+        " within 6 cm, although the motors are uneven.",
         _BEND,
         visits("bend", "end"),
         ends_in("end"),
