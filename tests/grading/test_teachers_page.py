@@ -15,7 +15,7 @@ PAGE = Path(__file__).parents[2] / "notebooks" / "teachers" / "index.md"
 ANY = {
     "a state to which no transition leads": (rover("(on bump driving -> backing)"), "bump and turn"),
     "`robot.move` in `onentry` only": (DRIVE.replace("running", "onentry"), "square"),
-    "the robot turns for ever": (rover(BACKS), "bump and turn"),
+    "the robot never stops turning": (rover(BACKS), "bump and turn"),
     "right, but too slow": (SLOW, "square"),
     "a measured value compared with `==`": (
         rover(f"{BACKS} (on [robot.gyro.data == 3.14] turning -> driving)"),
