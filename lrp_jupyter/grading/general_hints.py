@@ -54,8 +54,8 @@ def compares_exactly(run: RunRecord) -> Iterator[str]:
             if written in _MEASURED and not _was(run, written, other.value):
                 line, _ = run.programs[-1].place(place.block.at(use.span).start)
                 yield (
-                    f"Line {line}: `{written} == {other.value}` asks for exactly {other.value}, and a value"
-                    " that is measured is hardly ever exact. Compare it with `<` or `>`."
+                    f"Line {line}: `{written} == {other.value}` asks for exactly {other.value}, and a"
+                    " measured value is hardly ever exact. Compare it with `<` or `>`."
                 )
                 return
 
@@ -87,7 +87,7 @@ def time_was_over(task: Challenge, run: RunRecord) -> Iterator[str]:
     reason = next(filter(None, missing), None)
     if reason:
         yield (
-            f"The time was over after {task.seconds:g} s, and the robot was still on its way: {reason}."
+            f"Time ran out after {task.seconds:g} s, and the robot was still on its way: {reason}."
             " Where does it lose time? Let it drive faster, or turn faster."
         )
 

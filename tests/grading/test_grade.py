@@ -192,10 +192,10 @@ def test_what_is_missing_in_an_order_is_reported_with_the_time_of_the_one_before
         name="mine",
     )
     expected = {
-        visits("start", "near"): "it came to `near` after 2.3 s",
-        visits("near", "start"): "it came to `near` after 2.3 s, but not to `start` after that",
+        visits("start", "near"): "it reached `near` after 2.3 s",
+        visits("near", "start"): "it reached `near` after 2.3 s, but never reached `start` after that",
         touches("ball"): "it touched the ball after 5.1 s",
-        touches("ball", "edge"): "it touched the ball after 5.1 s, but not the edge after that",
+        touches("ball", "edge"): "it touched the ball after 5.1 s, but never touched the edge after that",
         touches("edge"): "it never touched the edge",
     }
     result = grade(DRIVE, world, criteria=list(expected), seconds=8)

@@ -109,7 +109,7 @@ BACKS = "(on bump driving -> backing) (ontime 1000 backing -> turning)"
 WAITS = (
     "(machine m (state waiting {}) (state driving (running [robot.move(linear=0.2)])) {}) (spawn m waiting)"
 )
-SLOW = SQUARE.replace("0.2", "0.02").replace("3000", "30000")
+SLOW = SQUARE.replace("0.2", "0.025").replace("3000", "24000")
 FIRST_HINTS = {
     (
         "bump and turn",
@@ -122,7 +122,7 @@ FIRST_HINTS = {
     (
         "bump and turn",
         rover(f"{BACKS} (on [robot.gyro.data == 3.14] turning -> driving)"),
-    ): "Line 6: `robot.gyro.data == 3.14` asks for exactly 3.14, and a value that is measured",
+    ): "Line 6: `robot.gyro.data == 3.14` asks for exactly 3.14, and a measured value",
     (
         "bump and turn",
         rover("(on bump driving -> backing)"),
@@ -146,7 +146,7 @@ FIRST_HINTS = {
     (
         "square",
         SLOW,
-    ): "The time was over after 90 s, and the robot was still on its way: it came to `third corner`",
+    ): "Time ran out after 90 s, and the robot was still on its way: it reached `third corner`",
     ("square", "(machine m (state a)) (spawn mm a)"): "There is no machine `mm`",
     ("square", "(machine m (state a))"): "Nothing was active. Write `(spawn machine state)`",
 }
@@ -182,7 +182,7 @@ NOT_ON_ITS_WAY = {
 
 @every("text", NOT_ON_ITS_WAY.values())
 def test_the_time_is_not_blamed_where_a_robot_would_not_have_come_to_the_end(text):
-    assert "The time was over" not in hints(text, "square")
+    assert "Time ran out" not in hints(text, "square")
 
 
 def test_turning_errands_and_looking_around_are_no_endless_turns():

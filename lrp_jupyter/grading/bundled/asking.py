@@ -46,9 +46,9 @@ def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
         )
     if run.stood > 5 and run.driven < 2.2:
         yield (
-            f"The robot stood from {run.still_since:.1f} s on, after {run.driven:.2f} m: what it was"
-            " asked for is done. Let a transition wait for that, as in"
-            " `(on [robot.drive_by.succeeded] side -> corner)`."
+            f"The robot stopped after {run.still_since:.1f} s and {run.driven:.2f} m: it has done what you"
+            " asked for. Let a transition wait for that, as in `(on [robot.drive_by.succeeded] side ->"
+            " corner)`."
         )
     if reason:
         yield (
@@ -61,7 +61,7 @@ def _served_no_tables(run: RunRecord) -> Iterator[str]:
     reason, met = _ROUND.missing(run), run.touch("barrel")
     if met is not None and run.stood > 5 and run.still_since - met.time < 4:
         yield (
-            f"The robot met the barrel after {met.time:.1f} s, gave up, and stood there. In `driving`,"
+            f"The robot met the barrel after {met.time:.1f} s, gave up, and stayed there. In `driving`,"
             " `robot.drive_to.failed` is true then: let a transition lead out."
         )
     if met is not None and len({round(sample.time / 3) for sample in run.touches("barrel")}) > 2:
@@ -70,7 +70,7 @@ def _served_no_tables(run: RunRecord) -> Iterator[str]:
             " first, with `robot.drive_by(-0.2)`."
         )
     if reason:
-        yield f"The robot drove {run.driven:.2f} m, and has not been everywhere: {reason}."
+        yield f"The robot drove {run.driven:.2f} m, but has not been everywhere: {reason}."
 
 
 EXACT_SQUARE = Challenge(
@@ -89,8 +89,8 @@ EXACT_SQUARE = Challenge(
 
 THREE_TABLES = Challenge(
     "three tables",
-    "Drive to the three tables, one after the other, and home. A barrel stands where one of them was, in each"
-    " world another one: the robot gives up there, backs off, and goes on.",
+    "Drive to the three tables, one after the other, and home. A barrel stands in place of one of them, a"
+    " different one in each world: the robot has to give up there, back off, and drive on.",
     tuple(_tables(blocked) for blocked in range(3)),
     (_ROUND, ends_in("home"), ends_still(1)),
     180,

@@ -59,8 +59,8 @@ def _hints(run: RunRecord) -> Iterator[str]:
     elif way > 0 and at_box:
         yield (
             f"The robot stopped after {run.still_since:.1f} s, and the box is at x = {x:.2f} m, {way:.2f} m"
-            " short of the goal, which is elsewhere in each world: only the black line says when the box is"
-            " in it."
+            " short of the goal, which is in a different place in each world: only the black line says when"
+            " the box is in it."
         )
 
 

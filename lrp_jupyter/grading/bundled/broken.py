@@ -55,7 +55,7 @@ def _only_by(transition: str, name: str) -> Criterion:
 
 def _ask(transition: str) -> str:
     return (
-        f"Ask before you edit: right-click the arrow `{transition}` in the State graph, and choose **Why"
+        f"Ask before you edit: right-click the transition `{transition}` in the State graph, and choose **Why"
         " not?**. Then repair what the answer names."
     )
 

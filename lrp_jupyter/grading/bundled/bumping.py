@@ -80,8 +80,8 @@ def _did_not_turn(run: RunRecord) -> Iterator[str]:
         )
     if times == 1 and run.stood >= 3:
         yield (
-            f"The robot backed off once and has stood still since {run.still_since:.1f} s. A transition has"
-            " to lead back to the state that drives, such as `(ontime 1500 turning -> driving)`."
+            f"The robot backed off once, stopped after {run.still_since:.1f} s and stayed there. A transition"
+            " has to lead back to the state that drives, such as `(ontime 1500 turning -> driving)`."
         )
     walls = {wall for sample in run.samples for wall in sample.touched}
     if len(walls) == 2 and times >= 3:

@@ -68,7 +68,7 @@ def _was_unsafe(run: RunRecord) -> Iterator[str]:
             )
     if run.stood >= 5:
         yield (
-            f"The robot has stood still since {run.still_since:.1f} s. When the sensor sees again, a"
+            f"The robot stopped after {run.still_since:.1f} s and stayed there. When the sensor sees again, a"
             " transition has to lead back to the state that drives."
         )
 
@@ -79,7 +79,7 @@ def _drove_on_little(run: RunRecord) -> Iterator[str]:
         yield f"The edit has stopped the robot: {reason}. It has to drive on."
     elif len(run.programs) > 1 and drives_differently().missing(run):
         yield (
-            "The program is another one, but the robot drives as it did before. Which number makes it drive"
+            "The program has changed, but the robot drives as it did before. Which number makes it drive"
             " faster, which one bends its curves, and which ones say how long they are?"
         )
 
@@ -104,8 +104,8 @@ SAFE_EDITS = Challenge(
 
 EDIT_IT_LIVE = Challenge(
     "edit it live",
-    "Change how the robot drives while the program runs: at another speed, in other curves, or with another"
-    " rhythm. It drives on for half a metre, and the program never restarts.",
+    "Change how the robot drives while the program runs: at a different speed, in different curves, or with"
+    " a different rhythm. It drives on for half a metre, and the program never restarts.",
     ("oval",),
     (edited(), drives_differently(), _DRIVES_ON, never_restarts()),
     120,

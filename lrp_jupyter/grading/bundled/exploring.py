@@ -70,8 +70,8 @@ def _went_blindly(run: RunRecord) -> Iterator[str]:
     missing = _LOOKS.missing(run)
     if not run.entry("junction"):
         yield (
-            f"The robot stopped before the junction, after {run.driven:.2f} m. The corridor is not equally"
-            " long in every world."
+            f"The robot stopped before the junction, after {run.driven:.2f} m. How long the corridor is"
+            " differs from world to world."
         )
     elif missing:
         yield (
@@ -83,9 +83,9 @@ def _went_blindly(run: RunRecord) -> Iterator[str]:
         side = "left" if isinstance(way, BoxZone) and way.box[1] > run.samples[0].y else "right"
         yield (
             f"The robot looked to both sides, but did not take the longer way, which here is to the {side}."
-            " Compare the two values of `robot.distance.data` that were measured: the greater one is the way."
-            " After looking to the right, the robot still faces right; from there to the left is half a"
-            " turn, pi radians."
+            " Compare the two values of `robot.distance.data` that were measured: the greater one is the way"
+            " to go. After looking to the right, the robot still faces right; from there to the left is half"
+            " a turn, pi radians."
         )
     yield from kept_pushing(run)
 
@@ -108,7 +108,7 @@ def _crossed_or_repeated(run: RunRecord) -> Iterator[str]:
         )
     else:
         yield (
-            f"The robot never came to the border: {reason}. Drive straight on to the border, and turn there."
+            f"The robot never reached the border: {reason}. Drive straight on to the border, and turn there."
         )
 
 
@@ -116,7 +116,7 @@ def _lost_its_way(run: RunRecord) -> Iterator[str]:
     yield from kept_pushing(run)
     if not run.entry("goal"):
         yield (
-            "The robot never came to `goal`. Keep a hand on one wall: a wall on the left leads to every"
+            "The robot never reached `goal`. Keep a hand on one wall: a wall on the left leads to every"
             " place."
         )
 

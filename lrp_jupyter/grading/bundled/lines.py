@@ -120,7 +120,7 @@ def _stopped_before(run: RunRecord) -> Iterator[str]:
     else:
         yield (
             f"The robot stopped after {run.still_since:.1f} s, when its light sensor had not seen the line"
-            " yet. The line is not equally far away in every world: let the sensor decide, not the time."
+            " yet. How far away the line is differs from world to world: let the sensor decide, not the time."
         )
 
 
@@ -147,7 +147,7 @@ def _stopped_at_another(run: RunRecord) -> Iterator[str]:
         if seconds:
             yield (
                 f"The robot drove over the wide line. Its light sensor saw black for {seconds:.1f} s there:"
-                " the condition must not have to hold for longer than that."
+                " the condition must not have to hold longer than that."
             )
     elif black and not wide.contains(last.x, last.y):
         if run.still_since - black.time < 0.3:
@@ -158,8 +158,8 @@ def _stopped_at_another(run: RunRecord) -> Iterator[str]:
             )
         else:
             yield (
-                f"The robot stopped after {run.still_since:.1f} s, where there is no line. The lines are"
-                " elsewhere in each world, and there are not equally many: let the light sensor decide."
+                f"The robot stopped after {run.still_since:.1f} s, where there is no line. Each world has"
+                " different lines, in different places: let the light sensor decide."
             )
     yield from _stopped_before(run)
     yield from never_saw_the_line(run)
@@ -171,12 +171,12 @@ def _did_not_find_it(run: RunRecord) -> Iterator[str]:
     turned, seen = run.turned.total, run.first(sees_line)
     if not seen and turned <= 60:
         yield (
-            "The robot only drove straight on, and the line is not ahead of it. Drive in a bend that becomes"
-            " wider and wider, or turn and go on when the bumper meets the edge."
+            "The robot only drove straight on, and the line is not ahead of it. Drive in a curve that gets"
+            " wider and wider, or turn and drive on when the bumper meets the edge."
         )
     if not seen and turned >= 540:
         yield (
-            f"The robot turned {turned:.0f}° and came to the same places again and again. Let the bend become"
+            f"The robot turned {turned:.0f}° and came to the same places again and again. Let the curve get"
             " wider: make `angular` smaller in `running`, a little each time."
         )
     yield from _stopped_before(run)
@@ -184,7 +184,9 @@ def _did_not_find_it(run: RunRecord) -> Iterator[str]:
 
 
 def _did_not_follow(run: RunRecord) -> Iterator[str]:
-    yield from ignores(run, "light", "The curves are not equally tight in every world: let the sensor steer.")
+    yield from ignores(
+        run, "light", "How tight the curves are differs from world to world: let the sensor steer."
+    )
     last = run.last(sees_line)
     if last and _NEAR.missing(run):
         yield (
@@ -231,7 +233,7 @@ STOP_AT_THE_WIDE_LINE = Challenge(
 
 FIND_THE_LINE = Challenge(
     "find the line",
-    "Somewhere around the robot is a line, and never ahead of it: find it, and stop on it.",
+    "There is a line somewhere around the robot, but never ahead of it: find it, and stop on it.",
     (
         _line_beside("to the left", (0.3, 1.45), (2.1, 1.45)),
         _line_beside("to the right", (0.3, 0.6), (2.1, 0.6)),
@@ -248,7 +250,7 @@ FIND_THE_LINE = Challenge(
 
 FOLLOW_THE_LINE = Challenge(
     "follow the line",
-    "Follow the closed line once around, never further than 12 cm from it, however narrow its curves are.",
+    "Follow the closed line once around, never further than 12 cm from it, however tight its curves are.",
     tuple(map(_oval, (0.3, 0.45, 0.7))),
     (visits("right", "left", "start"), _NEAR),
     150,

@@ -49,11 +49,11 @@ _ROUND = visits("first corner", "second corner", "goal")
 def _lost_its_way(run: RunRecord) -> Iterator[str]:
     if reason := _TASKS.missing(run):
         yield (
-            f"The program asks the robot for its way: {reason}. Here the program measures itself: steer with"
-            " `robot.move`, and let `robot.odom` and `robot.gyro` decide."
+            f"The program asks the robot for a task: {reason}. Here the program has to do the measuring:"
+            " steer with `robot.move`, and let `robot.odom` and `robot.gyro` decide."
         )
     yield from ignores(
-        run, "odom", "A speed and a time are not a way: let `[robot.odom.x > 1.2]` end the first side."
+        run, "odom", "A speed and a time are not a distance: let `[robot.odom.x > 1.2]` end the first side."
     )
     yield from ignores(
         run, "gyro", "It says how far the robot has turned: `[robot.gyro.data > degrees(90)]` ends a quarter."
@@ -106,9 +106,9 @@ def _bend(so_far: tuple[float, bool], now: Sample, before: Sample) -> tuple[floa
 
 EXACT_WAY = Challenge(
     "exact way",
-    "Drive 1.2 m straight on, 60 cm to the left, and 1.2 m back, and stop there: come to each corner within"
-    " 20 cm, although the wheels are uneven. The program measures itself, with `robot.odom` and `robot.gyro`,"
-    " and without tasks such as `drive_by`.",
+    "Drive 1.2 m straight on, 60 cm to the left, and 1.2 m back, and stop there: reach each corner to within"
+    " 20 cm, although the wheels are uneven. The program has to do the measuring, with `robot.odom` and"
+    " `robot.gyro`, and without tasks such as `drive_by`.",
     (_way(),),
     (_TASKS, _ROUND, ends_in("goal"), ends_still(1)),
     90,
@@ -139,7 +139,9 @@ _GAP, _SMOOTH = keeps_distance("box", _LEAST, _MOST), drives_smoothly(_STEP)
 
 
 def _did_not_keep_its_distance(run: RunRecord) -> Iterator[str]:
-    yield from ignores(run, "distance", "The box is not equally fast in every world: let the sensor decide.")
+    yield from ignores(
+        run, "distance", "How fast the box is differs from world to world: let the sensor decide."
+    )
     last = run.samples[-1]
     gap, speed = gap_to(run, "box", last), last.command[0]
     error = gap - _WANTED
@@ -153,7 +155,7 @@ def _did_not_keep_its_distance(run: RunRecord) -> Iterator[str]:
     elif reason:
         yield (
             f"The robot jerked: {reason}, when it was {abs(error) * 100:.0f} cm away from where it should be."
-            " The gain is too large: it makes a great speed of a small error. Make it smaller."
+            " The gain is too large: it turns a small error into a high speed. Make it smaller."
         )
     elif _GAP.missing(run) and error * speed < 0:
         yield (
@@ -206,7 +208,9 @@ def _gap_ahead(run: RunRecord, sample: Sample) -> float:
 
 
 def _stopped_elsewhere(run: RunRecord) -> Iterator[str]:
-    yield from ignores(run, "distance", "The wall is elsewhere in each world: let the sensor decide.")
+    yield from ignores(
+        run, "distance", "The wall is in a different place in each world: let the sensor decide."
+    )
     first, last, touch = run.samples[0], run.samples[-1], run.touch()
     gap = _gap_ahead(run, last)
     blind = next((s for s in reversed(run.samples[-15:]) if math.isinf(s.distances[0]) and gap < 1), None)

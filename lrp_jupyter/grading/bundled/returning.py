@@ -94,7 +94,7 @@ THERE_AND_BACK = Challenge(
 DEBUG_THE_LISTING = Challenge(
     "debug the printed listing",
     "This program is meant to follow the line to the far wall, to come back, and to end at the near wall. It"
-    " was printed in a paper, and it does not. Find its mistakes, one after the other.",
+    " was printed in a paper, and it does not. Find its mistakes, one by one.",
     _LINES,
     _THERE_AND_BACK,
     300,

@@ -91,8 +91,8 @@ def _too_many_corners(run: RunRecord) -> str:
     left = run.turned.left
     if _counts_ticks(run.programs[-1]):
         return (
-            "The corners are counted in `running`, which is done in every tick of a corner. Count in"
-            " `onexit`, which is done once: `(onexit [corners += 1])`."
+            "The corners are counted in `running`, which runs in every tick of a corner. Count in `onexit`,"
+            " which runs once: `(onexit [corners += 1])`."
         )
     if run.stood > 1:
         return (
@@ -157,11 +157,11 @@ def _drove_other_squares(run: RunRecord) -> Iterator[str]:
         )
     elif run.stood < 1:
         yield (
-            f"The robot drove both squares, and was still driving after {run.seconds:.0f} s. Let no"
-            " transition lead out of the state with the second one."
+            f"The robot drove both squares, but was still driving after {run.seconds:.0f} s. No transition"
+            " may lead out of the state with the second one."
         )
     elif reason := _STRAIGHT.missing(run) or _BOTH.missing(run):
-        yield f"The robot came to all corners, but not straight on from one to the next: {reason}."
+        yield f"The robot reached all corners, but did not drive straight from one to the next: {reason}."
 
 
 def _blinked_wrongly(run: RunRecord) -> Iterator[str]:

@@ -52,7 +52,7 @@ class Verdict(NamedTuple):
 
 
 class Criterion(NamedTuple):
-    """A sentence ("comes to `far`"), and the function that judges a run by it.
+    """A sentence ("reaches `far`"), and the function that judges a run by it.
 
     Parameters
     ----------

@@ -72,7 +72,7 @@ def blinks(seconds: float, slack: float = 0.25) -> Criterion:
         worst = present if present > max(worst, seconds + slack) else worst
         if abs(worst - seconds) <= slack + 1e-6:
             return Found(1, f"it was switched {count} times")
-        return Found(0, f"it once took {worst:.1f} s to change")
+        return Found(0, f"it once took {worst:.1f} s to switch")
 
     sentence = f"blinks: its lamp is lit for {seconds:g} s, dark for {seconds:g} s, and so on"
     return Criterion(sentence, judge, "always")

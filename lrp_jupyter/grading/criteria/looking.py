@@ -32,7 +32,7 @@ def looks(zone: str, degrees: float) -> Criterion:
 
         seen = run.fold(step, None, ("looks", zone))
         if seen is None:
-            return Found(0, f"it never came to `{zone}`")
+            return Found(0, f"it never reached `{zone}`")
         came, right, left, _ = seen
         angles = math.degrees(left - came), math.degrees(came - right)
         share = sum(min(1.0, angle / degrees) for angle in angles) / 2

@@ -36,11 +36,11 @@ def reason_of(done: Sequence[float], names: Sequence[str], verb: str) -> str:
     """Say which of several things happened last, and which did not come after it.
 
     `done`: when they happened.
-    `verb`: its past tense with what follows, such as ``"came to"``.
+    `verb`: its past tense with what follows, such as ``"touched the"``.
     """
     if not done:
         return f"it never {verb} {names[0]}"
     last = f"it {verb} {names[len(done) - 1]} after {done[-1]:.1f} s"
     if len(done) == len(names):
         return last
-    return f"{last}, but not {verb.rpartition(' ')[2]} {names[len(done)]} after that"
+    return f"{last}, but never {verb} {names[len(done)]} after that"

@@ -62,9 +62,9 @@ def visits(*zones: str) -> Criterion:
     def judge(run: RunRecord) -> Found:
         regions = [zone_of(run.world, zone) for zone in zones]
         done = in_order(run, [partial(_is_in, region) for region in regions], zones)
-        return Found(len(done) / len(zones), reason_of(done, [f"`{zone}`" for zone in zones], "came to"))
+        return Found(len(done) / len(zones), reason_of(done, [f"`{zone}`" for zone in zones], "reached"))
 
-    return Criterion("comes to " + ", then ".join(f"`{zone}`" for zone in zones), judge, "once")
+    return Criterion("reaches " + ", then ".join(f"`{zone}`" for zone in zones), judge, "once")
 
 
 def keeps_to(metres: float, *zones: str) -> Criterion:
@@ -80,7 +80,7 @@ def keeps_to(metres: float, *zones: str) -> Criterion:
         reason = f"it was {off * 100:.0f} cm away after {when:.1f} s" if off else "it never left it"
         return Found(off <= metres, reason)
 
-    return Criterion(f"is never further than {metres * 100:g} cm from the straight way", judge)
+    return Criterion(f"is never further than {metres * 100:g} cm from the straight path", judge)
 
 
 def covers(zone: str, share: float, cell: float = 0.3) -> Criterion:
@@ -102,9 +102,9 @@ def covers(zone: str, share: float, cell: float = 0.3) -> Criterion:
 
         nothing: frozenset[tuple[int, int]] = frozenset()
         part = len(run.fold(visit, nothing, ("covers", zone, cell))) / (columns * rows)
-        return Found(part / share, f"it has been in {part:.0%} of it")
+        return Found(part / share, f"it covered {part:.0%} of it")
 
-    return Criterion(f"comes to {share:.0%} of `{zone}`", judge, "once")
+    return Criterion(f"covers {share:.0%} of `{zone}`", judge, "once")
 
 
 def stays_in(zone: str) -> Criterion:
@@ -123,11 +123,9 @@ def avoids(zone: str) -> Criterion:
 
     def judge(run: RunRecord) -> Found:
         came = run.first(partial(_is_in, zone_of(run.world, zone)), ("comes into", zone))
-        return Found(
-            came is None, "it was never there" if came is None else f"it came there after {came.time:.1f} s"
-        )
+        return Found(came is None, "it never entered it" if came is None else f"it entered it after {came.time:.1f} s")
 
-    return Criterion(f"never comes into `{zone}`", judge, "always")
+    return Criterion(f"never enters `{zone}`", judge, "always")
 
 
 def stays_near(solid: str, metres: float) -> Criterion:

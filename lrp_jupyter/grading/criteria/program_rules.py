@@ -45,7 +45,7 @@ def enters(*states: str) -> Criterion:
         done = in_order(run, [partial(_is_in, state) for state in states], ("enters", states))
         if len(states) == 1:
             return Found(bool(done), f"entered after {done[0]:.1f} s" if done else "never entered")
-        return Found(len(done) / len(states), reason_of(done, names, "came to"))
+        return Found(len(done) / len(states), reason_of(done, names, "entered"))
 
     some = "the states" if len(states) > 1 else "the state"
     sentence = f"enters {some} " + ", then ".join(f"`{state}`" for state in states)

@@ -29,7 +29,7 @@ EXERCISES = (
         hints=(
             says(
                 "Put a breakpoint on the event, or go back to the moment at which the sensor is over the"
-                " line, and ask `tstop`: which value has `robot.light.data` there?",
+                " line, and ask `tstop`: what is the value of `robot.light.data` there?",
                 lambda run: run.first(sees_line),
             ),
         ),
@@ -45,8 +45,8 @@ EXERCISES = (
         vary=_STARTS,
         hints=(
             says(
-                "The robot is still at the line. Ask `tleave` there: how many of its 2000 ms are over, and"
-                " which transition lets the timer begin again?",
+                "The robot is still at the line. Ask `tleave` there: how many of its 2000 ms have passed,"
+                " and which transition makes the timer begin again?",
                 lambda run: run.stood > 5,
             ),
         ),

@@ -136,7 +136,7 @@ BUGS = (
         hints=(
             says(
                 "The robot ended at the first wall. Ask why `ended` was entered: in the tick before, was the"
-                " bumper pressed, and which value had `bumps`?",
+                " bumper pressed, and what was the value of `bumps`?",
                 lambda run: not run.touch("wall behind"),
             ),
         ),

@@ -27,7 +27,7 @@ _OTHER_WAY = says(
     lambda run: run.turned.right < 300,
 )
 _SLOW = says(
-    "The robot was not around in time. Faster curves go with a faster drive: change both numbers.",
+    "The robot did not get around in time. To drive faster, it also has to turn faster: change both numbers.",
     lambda run: True,
 )
 

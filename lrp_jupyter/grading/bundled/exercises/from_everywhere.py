@@ -53,7 +53,7 @@ def _pushed_in(run: RunRecord) -> str | None:
     state = later.active[0][-1]
     return (
         f"The robot pushed against the {push.solid} while `{state}` was active: no transition leads out of"
-        " that state at a bump. `*` as the source stands for every state."
+        " that state when the robot bumps. `*` as the source stands for every state."
     )
 
 
@@ -131,9 +131,9 @@ EXERCISES = (
         vary=_TURNED,
         hints=(
             says(
-                "The robot backed off a third time. Of two enabled transitions the first in the text"
-                " fires, so that to the end has to stand above the other; and something has to count the"
-                " bumps.",
+                "The robot backed off a third time. Of two enabled transitions the first in the text fires,"
+                " so the one that leads to the end has to stand above the other; and something has to count"
+                " the bumps.",
                 lambda run: run.fold(backed, 0) > 2,
             ),
             kept_pushing,

@@ -62,7 +62,8 @@ EXERCISES = (
         hints=(
             restarted_or_not_edited,
             says(
-                "The robot kept pushing. A transition at the bump has to lead from `driving` to `stopped`.",
+                "The robot kept pushing. When it bumps, a transition has to lead from `driving` to"
+                " `stopped`.",
                 lambda run: run.touch("wall ahead"),
             ),
         ),

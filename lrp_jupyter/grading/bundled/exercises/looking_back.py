@@ -25,7 +25,7 @@ _SLALOM = World(
     zones={"beside the can": CircleZone((1.17, 0.82, 0.15)), "goal": CircleZone((2.3, 1.1, 0.15))},
 )
 _TOUCHED = says(
-    "The robot touched something. Go back to the moment before it, change a number there, and look where the"
+    "The robot touched something. Go back to the moment before it, change a number there, and see where the"
     " ghost of the robot goes.",
     lambda run: run.touch(),
 )
@@ -89,11 +89,11 @@ EXERCISES = (
         vary=moves("robot", x=0.06),
         hints=(
             says(
-                "The robot and a cart met. Go back to the moment before it: how far away was the cart"
+                "The robot and a cart collided. Go back to the moment before: how far away was the cart"
                 " when the robot saw it? It has to wait where no cart comes, until one has passed.",
                 lambda run: run.touch(),
             ),
-            says("The time was over before the robot was at the goal.", lambda run: True),
+            says("Time ran out before the robot reached the goal.", lambda run: True),
         ),
     ),
 )

@@ -40,7 +40,7 @@ _GOES_ON = says(
     lambda run: run.stood < 1,
 )
 _TOO_SOON = says(
-    "The robot stopped after its first eight. The robot begins in `left`, which is no eight yet.",
+    "The robot stopped after its first eight. The robot begins in `left`, when no eight is complete yet.",
     lambda run: run.stood > 1,
 )
 

@@ -118,8 +118,8 @@ EXERCISES = (
                 lambda run: run.turned.left < 240,
             ),
             says(
-                "The robot drove to a wall that is not the furthest. `seen.index(max(seen))` is the number of"
-                " the greatest of the four readings: 0 ahead, 1 left, 2 behind, 3 right.",
+                "The robot drove to a wall that is not the furthest one. `seen.index(max(seen))` is the"
+                " position of the greatest of the four readings: 0 ahead, 1 left, 2 behind, 3 right.",
                 lambda run: True,
             ),
         ),

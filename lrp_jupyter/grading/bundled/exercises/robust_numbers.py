@@ -63,8 +63,8 @@ EXERCISES = (
         vary=moves("robot", x=0.3, y=0.2),
         hints=(
             says(
-                "The robot stopped too early: one single reading was below the threshold. A condition can be"
-                " asked to hold `for` a while, such as 300 ms.",
+                "The robot stopped too early: a single reading was below the threshold. You can require a"
+                " condition to hold `for` a while, such as 300 ms.",
                 _stopped,
             ),
         ),
@@ -87,7 +87,10 @@ EXERCISES = (
                 " one number, and then the other.",
                 lambda run: _NEAR.missing(run),
             ),
-            says("The time was over. Faster, but not too fast: let a sweep try.", lambda run: True),
+            says(
+                "Time ran out. The robot has to be faster, but not too fast: let a sweep try.",
+                lambda run: True,
+            ),
         ),
     ),
     exercise(
@@ -104,8 +107,8 @@ EXERCISES = (
         vary=_ELSEWHERE,
         hints=(
             says(
-                "The robot stopped before the line, by a single reading. Take several together: a condition"
-                " that has to hold `for` a while, or a variable that follows the readings slowly.",
+                "The robot stopped before the line, because of a single reading. Take several together: a"
+                " condition that has to hold `for` a while, or a variable that follows the readings slowly.",
                 _stopped,
             ),
             _MISSED,

@@ -42,7 +42,7 @@ def _corner(ahead: float, beside: float) -> World:
 
 
 _BY_THE_CLOCK = says(
-    "The program does not ask the robot for a way or an angle, and its motors are uneven:"
+    "The program does not ask the robot for a distance or an angle, and its motors are uneven:"
     " `robot.turn_by(degrees(90))` turns it by a quarter.",
     lambda run: "_by(" not in run.programs[-1].text,
 )
