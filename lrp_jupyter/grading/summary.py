@@ -82,7 +82,8 @@ class Summary(NamedTuple):
             yield f"  {what}: {', '.join(names)}"
         for group in groups_of(self.alike):
             least = min(pair.share for pair in self.alike if pair.first in group)
-            yield f"  Alike by {least:.0%} or more: {', '.join(group)}"
+            more = " or more" if least < 1 else ""
+            yield f"  Alike by {least:.0%}{more}: {', '.join(group)}"
 
 
 def summaries(marks: Marks) -> tuple[Summary, ...]:

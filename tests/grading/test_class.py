@@ -91,6 +91,8 @@ def test_the_summary_says_what_fails_and_who_needs_help(school):
     page = class_page(marks)
     assert all(name.replace("'", "&#x27;") in page for name in STUDENTS)
     assert str(second).count("Alike by") == 1
+    same = second._replace(alike=tuple(pair for pair in second.alike if pair.share == 1))
+    assert "  Alike by 100%: " in str(same)
 
 
 def test_every_student_gets_a_page_that_moodle_can_give_back(school, tmp_path):
