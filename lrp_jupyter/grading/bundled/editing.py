@@ -46,8 +46,8 @@ def _begins_to_turn(before: Sample, now: Sample) -> bool:
 
 def _was_unsafe(run: RunRecord) -> Iterator[str]:
     yield from restarted_or_not_edited(run)
-    turns = (now for before, now in pairwise(run.samples) if _begins_to_turn(before, now))
-    if blind := next(filter(_sees_nothing, turns), None):
+    turns = ((before, now) for before, now in pairwise(run.samples) if _begins_to_turn(before, now))
+    if blind := next((now for pair in turns for now in pair if _sees_nothing(now)), None):
         yield (
             f"After {blind.time:.1f} s the sensor saw nothing, and the robot began to turn as if a wall were"
             " near. It has to stand still until the sensor sees again, and then go on with what it was doing."
