@@ -39,6 +39,20 @@ def _states(program: Program) -> Iterator[tuple[Machine, State]]:
             yield machine, state
 
 
+def _driving(program: Program) -> list[str]:
+    """Return the names of the states that command the robot to drive, each once."""
+    moving = (state for _, state in _states(program) if _commands((*state.onentry, *state.running)))
+    return list(dict.fromkeys(str(state.name) for state in moving))
+
+
+def _not_entered(names: Sequence[str]) -> str:
+    verb, those = ("command", "any of them") if len(names) > 1 else ("commands", "that state")
+    return (
+        f"only {_listed(names, 'and')} {verb} it, and the run never entered {those}. Which transition leads"
+        " there, and what does it wait for?"
+    )
+
+
 def _listed(names: Sequence[str], word: str) -> str:
     quoted = [f"`{name}`" for name in names]
     return f" {word} ".join(filter(None, [", ".join(quoted[:-1]), quoted[-1]]))
@@ -121,8 +135,7 @@ def never_commanded(task: Challenge, run: RunRecord) -> Iterator[str]:
     if run.commands or not any(criterion.needs_motion for criterion in task.criteria):
         return
     program = run.programs[-1]
-    moving = [state for _, state in _states(program) if _commands((*state.onentry, *state.running))]
-    names = list(dict.fromkeys(str(state.name) for state in moving))
+    names = _driving(program)
     if any(run.entered(name) for name in names):
         name = next(name for name in names if run.entered(name))
         yield (
@@ -130,12 +143,7 @@ def never_commanded(task: Challenge, run: RunRecord) -> Iterator[str]:
             " the command. On which condition does that depend?"
         )
     elif names:
-        verb = "command" if len(names) > 1 else "commands"
-        yield (
-            f"The robot never received a command: only {_listed(names, 'and')} {verb} it, and the run never"
-            f" entered {'any of them' if len(names) > 1 else 'that state'}. Which transition leads there, and"
-            " what does it wait for?"
-        )
+        yield f"The robot never received a command: {_not_entered(names)}"
     elif not _commands((place.block for place in resolve(program).all_blocks), _ORDERS):
         yield (
             "The robot never received a command. Put `robot.move(linear=0.2)` into the `running` of the state"
@@ -167,8 +175,22 @@ def moved_once(run: RunRecord) -> Iterator[str]:
 
 def never_drove(run: RunRecord) -> Iterator[str]:
     """Say that the robot was commanded, but never to move."""
-    if run.commands and not any(any(sample.command) for sample in run.samples):
-        yield "The robot was never told to drive. `robot.move(linear=0.2)` drives on at 0.2 m/s."
+    if not run.commands or any(any(sample.command) for sample in run.samples):
+        return
+    told = "The robot was never told to drive"
+    names = _driving(run.programs[-1])
+    if not names:
+        yield f"{told}. `robot.move(linear=0.2)` drives on at 0.2 m/s."
+    elif not any(run.entered(name) for name in names):
+        yield f"{told}: {_not_entered(names)}"
+    elif not any(is_active(name, sample.active) for name in names for sample in run.samples[1:]):
+        name = next(name for name in names if run.entered(name))
+        yield (
+            f"{told}: `{name}` was left before its first `running`. Which transition leads out of it at once,"
+            " and is it right where the robot begins?"
+        )
+    else:
+        yield f"{told}, although {_listed(names, 'or')} was active. At which speed does its block drive?"
 
 
 def no_command_at_the_end(run: RunRecord) -> Iterator[str]:

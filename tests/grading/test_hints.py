@@ -203,6 +203,23 @@ def test_of_a_robot_that_was_told_nothing_nothing_else_is_told(name):
     assert "never told to drive" not in found
 
 
+LEFT = "(state c) (on [1 < 2] a -> c)"
+ELSEWHERE = "(state b (running [robot.move(linear=0.1)])) (on [1 > 2] a -> b)"
+NEVER_TOLD = {
+    ("running [robot.stop()]", ""): "never told to drive. `robot.move",
+    ("running [robot.stop()]", ELSEWHERE): "only `b` commands it, and the run never entered that state",
+    ("running [robot.move(linear=0)]", ""): "although `a` was active",
+    ("running [robot.move(linear=0.2)]) (onexit [robot.stop()]", LEFT): "`a` was left before its first",
+}
+
+
+@every("row", NEVER_TOLD.items())
+def test_who_never_told_the_robot_to_drive_is_told_why(row):
+    (actions, others), words = row
+    task = Challenge("metre", "Drive a metre.", "empty", (drives(1),), 3)
+    assert words in hints(f"(machine m (state a ({actions})) {others}) (spawn m a)", task)
+
+
 def test_an_issue_silences_what_would_be_said_of_a_program_that_runs():
     found = hints(WAITS.format("(running [sped])", ""), "bump and stay")
     assert found.startswith("Line 1: `sped`")
