@@ -398,6 +398,24 @@ it("the legend has the order of the program, whichever state the robot was in fi
   expect([...element.children].map(({ textContent }) => textContent)).toEqual(["a", "b", "gone"]);
 });
 
+it("the name of a zone at the side of the world is all within it", async () => {
+  const done: [string | symbol, unknown][] = [];
+  const c = new Proxy(
+    {},
+    { get: (_, name) => (value: unknown) => done.push([name, value]), set: () => true },
+  );
+  const [width] = view.size;
+  stage.show({ ...view, zones: { "before the wall": { circle: [width, 1, 0.2] } } });
+  stage.palette = { others: [] } as unknown as Palette;
+  stage.canvas.getContext = (() => c) as never;
+  stage.canvas.width = 300;
+  stage.wake();
+  const written = () => done.findIndex(([name, text]) => name === "fillText" && text === "before the wall");
+  await vi.waitFor(() => expect(written()).toBeGreaterThan(0));
+  const [, middle] = done.slice(0, written()).findLast(([name]) => name === "translate")!;
+  expect(middle).toBeLessThan(width - 0.06 * 4); // letters of 6 cm, half as wide, on both sides of it
+});
+
 it("no trail hides the name of a zone, and no wall the scale bar", async () => {
   const done: string[] = [];
   const note = (name: string | symbol, value: unknown) => void done.push(`${String(name)} ${value}`);

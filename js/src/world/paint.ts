@@ -64,7 +64,9 @@ export function paintZoneNames(brush: Brush, world: FullWorld): void {
     const [x = 0, y = 0, width = 0, height = 2 * width] = circle ?? box ?? [];
     const above = y + height / 2 + 0.7 * size;
     const inside = above + 0.6 * size > world.size[1]; // of the world, whose edge would cut it off
-    write(brush, name, [x, inside ? y + height / 2 - 0.8 * size : above], size, brush.palette.zone);
+    const half = Math.min((0.3 * name.length + 0.4) * size, world.size[0] / 2); // of its letters, about
+    const across = Math.min(Math.max(x, half), world.size[0] - half);
+    write(brush, name, [across, inside ? y + height / 2 - 0.8 * size : above], size, brush.palette.zone);
   }
 }
 
