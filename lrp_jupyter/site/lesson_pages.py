@@ -23,6 +23,7 @@ _NOTE = (
 )
 _PAGE = Path(__file__).with_name("lesson.html")
 _NOTEBOOK = re.compile(r'href="([\w./-]+)\.ipynb(#[^"]*)?"')
+_LOOKS = re.compile(r"\bLab\(")  # into a lab above, which is closed when another one runs
 _MAGIC = re.compile(r"^%.*\n?", re.MULTILINE)
 
 
@@ -94,7 +95,7 @@ def _parts(lesson: Lesson, section: Section, setup: list[str]) -> Iterator[str]:
         elif (program := part.program) is not None:
             yield _lab(lesson, part, program, setup)
         elif source := _MAGIC.sub("", part.source).strip():
-            if not part.outputs:
+            if not part.outputs and not _LOOKS.search(source):
                 setup.append(source)  # it only defines something
             yield f'<pre class="python"><code>{escape(source)}</code></pre>{_outputs(part)}'
 

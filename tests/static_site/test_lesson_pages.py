@@ -59,6 +59,13 @@ def test_what_a_lab_needs_is_defined_before_it_runs(pages):
     assert "%" not in setup.split("\n")[0], "magics are Jupyter's"
 
 
+def test_what_a_lab_needs_runs_where_no_other_lab_does(pages, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for page in pages.values():
+        for wanted in re.findall(r'data-wanted="([^"]*)"', page):
+            exec(json.loads(unescape(wanted))["setup"], {})
+
+
 def test_no_link_of_a_page_leads_nowhere(pages):
     for page in pages.values():
         for link in re.findall(r'href="([^"#]+)"', page):
