@@ -58,7 +58,7 @@ def test_a_robot_that_was_told_to_move_is_not_said_never_to_have_been():
 @pytest.mark.parametrize("name", ["first move", "stop at the line", "square", "bump and stay", "maze"])
 def test_a_move_in_onentry_gets_the_hint_about_the_command_watchdog_first(name):
     made = attempt(jobs_of(DRIVE.replace("running", "onentry"), name)[1][0])
-    assert made.hint.startswith("`driving` moves the robot in `onentry`, which is done once")
+    assert made.hint.startswith("`driving` moves the robot in `onentry`, which runs only once")
     assert "stopped after 0.6 s" in made.hint
 
 

@@ -249,6 +249,17 @@ def test_the_gap_helps_the_robust_follower_as_much_as_its_plan_says():
     assert sum(attempt.passed for attempt in attempts) == int(said[1])
 
 
+@pytest.mark.slow
+def test_a_gap_that_is_too_wide_costs_the_time_that_its_plan_says():
+    said = re.search(r"about (\d+) s with (\d+) and (\d+) s with (\d+), instead of (\d+) s\.", _plans())
+    assert said is not None
+    task = replace(challenge("robust follower"), seeds=range(1000, 1006))
+    for seconds, gap in ((said[1], said[2]), (said[3], said[4]), (said[5], "70")):
+        _, jobs = jobs_of(_with(task.starter, gap=int(gap)), task)
+        times = sorted(attempt(job).seconds for job in jobs)
+        assert round(times[len(times) // 2]) == int(seconds)
+
+
 def _plans() -> str:
     return (NOTEBOOKS / "teachers" / "lesson-plans.md").read_text(encoding="utf-8")
 
