@@ -166,8 +166,8 @@ def moved_once(run: RunRecord) -> Iterator[str]:
         state = next((path[-1] for path in now.active if path in before.active and path[-1] in names), None)
         if state is not None:
             yield (
-                f"`{state}` moves the robot in `onentry`, which runs only once, and a command holds for half a"
-                f" second: the robot stopped after {now.time:.1f} s. Put `move` into `running`, which runs"
+                f"`{state}` moves the robot in `onentry`, which runs only once, and a command holds for half"
+                f" a second: the robot stopped after {now.time:.1f} s. Put `move` into `running`, which runs"
                 " in every tick."
             )
             return

@@ -123,7 +123,9 @@ def avoids(zone: str) -> Criterion:
 
     def judge(run: RunRecord) -> Found:
         came = run.first(partial(_is_in, zone_of(run.world, zone)), ("comes into", zone))
-        return Found(came is None, "it never entered it" if came is None else f"it entered it after {came.time:.1f} s")
+        return Found(
+            came is None, "it never entered it" if came is None else f"it entered it after {came.time:.1f} s"
+        )
 
     return Criterion(f"never enters `{zone}`", judge, "always")
 
