@@ -29,6 +29,7 @@ _CANVAS = re.compile(r"(?s)([^_]+)_(?:LATE_)?(\d+)_\d+_.+")
 _ADDED = ("__MACOSX", "__pycache__", "Thumbs.db", "desktop.ini")
 _DEEPEST = 4  # zip files in one another
 _MOST = 500  # files of an entry
+_MOST_ZIPPED = 2_000  # files of a zip file in it, whose list is read again for each file
 _OTHERS = (".doc", ".docx", ".jpeg", ".jpg", ".md", ".odt", ".pdf", ".png", ".py", ".rtf")
 _ARCHIVES = (".7z", ".bz2", ".gz", ".rar", ".tar", ".tgz", ".xz")
 _BROKEN = (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError, ValueError)
@@ -230,6 +231,8 @@ def _in_zip(
     try:
         with opened() as stream, zipfile.ZipFile(stream) as archive:
             names = [each.filename for each in archive.infolist() if not each.is_dir()]
+            if parts and len(names) > _MOST_ZIPPED:
+                raise OSError(f"It has more than {_MOST_ZIPPED:,} files")
     except _BROKEN as error:
         own = parts or (place,)
         yield HandedIn(own, place, problem=_cannot_be_unpacked(named(own), error))

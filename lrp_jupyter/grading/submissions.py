@@ -323,10 +323,19 @@ class _Page(HTMLParser):
         self.said += data.replace("\xa0", " ")
 
 
+_DECLARATION = re.compile("<[!?][^<>]*>")
+_NO_TAG = re.compile("<(?!/?[a-zA-Z][^<>]*>)")
+
+
 def _said(page: str) -> str:
-    """Return what a page says, or where its links to programs lead."""
+    """Return what a page says, or where its links to programs lead.
+
+    The parser gets whole tags only: with others it may fail, or take hours.
+    """
     parser = _Page()
-    parser.feed(page)
+    first, *others = page.split("<!--")
+    page = "".join([first, *(each.partition("-->")[2] for each in others)])
+    parser.feed(_NO_TAG.sub("&lt;", _DECLARATION.sub("", page)))
     parser.close()
     return parser.links if programs_in(parser.links) else parser.said
 

@@ -5,6 +5,7 @@ import io
 import json
 import re
 import xml.dom.minidom
+import zipfile
 
 import pytest
 from support.school_class import FIRST, SECOND, STUDENTS, canvas, make, worksheet
@@ -257,3 +258,25 @@ def test_programs_are_alike_whatever_their_names_comments_layout_and_order():
     assert shares["one", "four"] < 0.3
     assert not any("bad" in pair for pair in shares)
     assert alike(programs, given=ONE, least=0.01) == []  # nobody has added anything to it but one
+
+
+DRIVES = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
+
+
+@pytest.mark.parametrize(
+    "rest", ["<![", "<!--", "<?", "</", "<a href='", "<", "<!-- < -->", "<!DOCTYPE html>"]
+)
+def test_a_page_with_half_a_tag_is_read_and_holds_up_nobody(rest, tmp_path):
+    """The parser fails at some halves of tags, and takes hours for many of others."""
+    (tmp_path / "ada.html").write_text(f"<p>; challenge: first move</p><p>{DRIVES}</p>{rest * 2_000}")
+    (found,) = find_submissions([tmp_path])
+    assert (found.challenge, found.problem) == ("first move", "")
+    assert DRIVES in found.text
+
+
+def test_a_zip_file_with_very_many_files_is_not_opened_for_each(tmp_path):
+    with zipfile.ZipFile(tmp_path / "ada.zip", "w") as archive:
+        for number in range(2_001):
+            archive.writestr(f"{number}.lrp", DRIVES)
+    (found,) = find_submissions([tmp_path], challenge("first move"))
+    assert "It has more than 2,000 files." in found.problem
