@@ -20,6 +20,7 @@ from lrp_jupyter.grading.pages import page, paragraph, sign, table, words
 from lrp_jupyter.sim.svg import svg
 
 _PICTURE = 560  # px
+_LONGEST_NAME = 150  # bytes of a student's name in that of a file
 _NOT_IN_NAMES = re.compile(r'[\x00-\x1f/\\:*?"<>|]+')
 
 
@@ -50,11 +51,10 @@ def write_feedback(marks: Marks, folder: Path) -> list[Path]:
 
 
 def _name(student: Handed) -> str:
-    if student.is_from_moodle:
-        name = f"{student.student}_{student.number}_assignsubmission_file_feedback"
-    else:
-        name = student.student
-    return _NOT_IN_NAMES.sub("_", name).strip(" .")[:150] or "feedback"
+    """Return the name of a page: no file system holds longer ones, and Moodle looks at its end."""
+    name = _NOT_IN_NAMES.sub("_", student.student).encode()[:_LONGEST_NAME].decode(errors="ignore")
+    name = name.strip(" .") or "feedback"
+    return f"{name}_{student.number}_assignsubmission_file_feedback" if student.is_from_moodle else name
 
 
 def feedback(student: Handed, tasks: tuple[Challenge, ...]) -> str:

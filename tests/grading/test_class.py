@@ -280,3 +280,14 @@ def test_a_zip_file_with_very_many_files_is_not_opened_for_each(tmp_path):
             archive.writestr(f"{number}.lrp", DRIVES)
     (found,) = find_submissions([tmp_path], challenge("first move"))
     assert "It has more than 2,000 files." in found.problem
+
+
+def test_a_student_with_a_very_long_name_has_a_page_and_moodle_knows_whose_it_is(tmp_path):
+    names = ["\N{GRINNING FACE}" * 140, "A" * 300]
+    moodle = Submission(names[1], "a.lrp", entry=f"{names[1]}_1000_assignsubmission_file", number="1000")
+    marks = Marks(
+        (), tuple(Mark(each, Grade("")) for each in (Submission(names[0], "b.lrp", entry="b"), moodle))
+    )
+    first, second = write_feedback(marks, tmp_path / "pages")
+    assert first.stem == names[0][:37]
+    assert second.stem == f"{'A' * 150}_1000_assignsubmission_file_feedback"
