@@ -23,7 +23,7 @@ _NOTE = (
 )
 _PAGE = Path(__file__).with_name("lesson.html")
 _NOTEBOOK = re.compile(r'href="([\w./-]+)\.ipynb(#[^"]*)?"')
-_LOOKS = re.compile(r"\bLab\(")  # into a lab above, which is closed when another one runs
+_LOOKS = re.compile(r"\bLab\b")  # into a lab above: the page has no widgets of Jupyter
 _MAGIC = re.compile(r"^%.*\n?", re.MULTILINE)
 
 

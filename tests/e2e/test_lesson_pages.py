@@ -63,7 +63,12 @@ def test_a_lesson_is_read_run_and_handed_in_by_a_link(visitor, visitors, site, s
 
 @pytest.mark.parametrize(
     ("name", "place"),
-    [("08-why-did-it-not-fire", 1), ("12-safe-live-editing", 0), ("exercises-01-states-and-events", 0)],
+    [
+        ("08-why-did-it-not-fire", 1),
+        ("12-safe-live-editing", 0),
+        ("15-how-much", 1),
+        ("exercises-01-states-and-events", 0),
+    ],
 )
 def test_a_lab_has_the_goals_and_the_robot_that_its_lesson_defines(name, place, visitor, site, simulator):
     visitor.context.set_offline(False)
