@@ -913,6 +913,8 @@ def test_the_gain_makes_the_keeper_quick_or_slow_or_lets_it_tremble():
         times[gain] = next(index for index, error in enumerate(errors) if abs(error) < 0.02) / 10
         assert (max(errors[-20:]) - min(errors[-20:]) > 0.02) == (gain == "20"), "it trembles"
     assert keeper.restarts == 0
+    assert "An issue says that this robot drives at 0.5 m/s at most" in keeper.said
+    assert any("limited to 0.5" in notice.text for notice in keeper.session.bridge.safety.notices)
     assert times["2"] < 5
     assert 15 < times["0.2"] < 25
 
