@@ -79,6 +79,11 @@ describe("the plans", () => {
     }
   });
 
+  it("leave the tools and the legend of a flat world their room under a goal", () => {
+    for (const lab of LABS)
+      expect(boxesOf(lab, 5, "work", true).picture.height, `${lab}`).toBeGreaterThanOrEqual(159);
+  });
+
   it("make the world larger where that is wanted, and keep every panel in sight", () => {
     for (const lab of LABS)
       for (const aspect of Object.values(ASPECTS)) {

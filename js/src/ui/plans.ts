@@ -37,6 +37,7 @@ const GOAL = 200; // px, with its heading
 const NARROW = 300; // px of the lists: four tabs
 const LARGE: Size = { width: 780, height: 290 }; // px of a graph and the lists side by side
 const LEAST = 750; // px: with less room the panels lie one below the other
+const FLAT = 160; // px: the least height of a world, of which its tools and its legend are a part
 const ROBOT = 1; // the proportions of a robot's panel, which holds more than a picture
 /** The world's part of the lab, as far as there is room. */
 const PART = { work: 0.305, tall: 0.35, past: 0.5, world: 0.5, demo: 0.42 } as const;
@@ -185,9 +186,10 @@ function demo({ width, height, lab }: Room, { aspect }: Shown): Plan {
 
 /** A challenge: what is to be done and the world at the left, the program at the right. */
 function challenge({ width, height, lab }: Room, { aspect }: Shown, shape: Shape): Plan {
+  const most = height - HEAD - GOAL;
   const world = fitted(PART[shape] * lab, aspect, {
     width: (shape === "work" ? 0.46 : 0.6) * width,
-    height: height - HEAD - GOAL,
+    height: most,
   });
   return columns(
     `${shape}-goal`,
@@ -196,7 +198,7 @@ function challenge({ width, height, lab }: Room, { aspect }: Shown, shape: Shape
     rows(
       `${shape}-goal-world`,
       "Height of the goal",
-      100 - (100 * (world.height + HEAD)) / height,
+      100 - (100 * (Math.max(Math.min(FLAT, most), world.height) + HEAD)) / height,
       "goal",
       "world",
     ),
