@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.grading.bundled.common_hints import kept_pushing
+from lrp_jupyter.grading.bundled.common_hints import ignores, kept_pushing
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import avoids, covers, looks, sees_line, stays_in, touches_nothing, visits
@@ -91,6 +91,7 @@ def _went_blindly(run: RunRecord) -> Iterator[str]:
 
 
 def _crossed_or_repeated(run: RunRecord) -> Iterator[str]:
+    yield from ignores(run, "light", "It sees the border: at black, drive back, and then turn.")
     inside, seen = run.world.zones["inside"], run.first(sees_line)
     left = run.first(lambda sample: not inside.contains(sample.x, sample.y))
     _, reason = _COVERS.judge(run)
@@ -140,11 +141,11 @@ LOOK_BOTH_WAYS = Challenge(
     "look left, look right",
     "Drive to the wall ahead and stop before it. Look at least 60° to the left and to the right, then take"
     " the longer of the two ways, and touch nothing.",
-    (
+    (  # the same depth is once the longer one and once the shorter one, so that both sides count
         _junction("the left is longer", 1, 0.5, blocked=0.45, deep=0.75),
-        _junction("the right is longer", -1, 0.5, blocked=0.85, deep=1.3),
+        _junction("the right is longer", -1, 0.5, blocked=0.75, deep=1.2),
         _junction("the right is longer, after a longer corridor", -1, 0.9, blocked=0.45, deep=0.75),
-        _junction("the left is longer, after a longer corridor", 1, 0.9, blocked=0.85, deep=1.3),
+        _junction("the left is longer, after a longer corridor", 1, 0.9, blocked=0.75, deep=1.2),
     ),
     (_LOOKS, visits("longer way"), touches_nothing(), avoids("shorter way")),
     90,

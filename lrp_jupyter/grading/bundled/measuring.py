@@ -257,7 +257,12 @@ STOP_BEFORE_THE_WALL = Challenge(
     "stop before the wall",
     "Stop 15 to 35 cm before the wall ahead, and touch nothing: however far away the wall is, and although"
     " the distance sensor fails now and then. For a second it reads `inf` then.",
-    (_wall("wall ahead", 1.2), _wall("near wall", 0.12), _wall("wall out of range", 2.8)),
+    (
+        _wall("wall ahead", 1.2),
+        _wall("near wall", 0.12),
+        _wall("wall out of range", 2.8),
+        _wall("another wall out of range", 2.4),
+    ),
     (touches_nothing(), ends_in("before the wall"), ends_still(2)),
     60,
     (_stopped_elsewhere,),
