@@ -233,3 +233,13 @@ def test_what_was_not_decided_when_a_run_was_cut_short_is_not_called_failed():
     assert (drove.state, blinked.state) == ("open", "failed")
     assert str(drove) == "○ drives at least 10 m: not decided, because the run failed after 1.3 s"
     assert result.attempts[0].failure == blinked
+
+
+def test_of_a_line_that_a_follower_never_saw_the_hint_says_so():
+    text = (
+        "(machine m (state black (running [robot.move(linear=0.12, angular=0.8)]))"
+        " (state white (running [robot.move(linear=0.12, angular=-0.8)]))"
+        " (on [robot.light.data < 128] white -> black) (on [robot.light.data >= 128] black -> white))"
+        " (spawn m black)"
+    )
+    assert "never saw the line" in grade(text, "follow the line", [2]).hint

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from lrp_jupyter.grading.bundled.common_hints import stopped_too_early
+from lrp_jupyter.grading.bundled.common_hints import drove_over_the_line, stopped_too_early
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import pushes, stops_once
@@ -31,6 +31,8 @@ def _box_after(metres: float, goal: float) -> World:
 
 def _hints(run: RunRecord) -> Iterator[str]:
     yield from stopped_too_early(run, "when the box is in the goal")
+    if "robot.light" in run.programs[-1].text:
+        yield from drove_over_the_line(run)
     x, y, _ = run.samples[-1].solids[0]
     goal = run.world.zones["goal"]
     assert isinstance(goal, CircleZone)

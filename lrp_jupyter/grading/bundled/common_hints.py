@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 from lrp_jupyter.grading.criteria import sees_line, stops_once
 from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.sim.floor import distance_to
+from lrp_jupyter.sim.world import PathStroke
 
 
 def ignores(run: RunRecord, sensor: str, advice: str) -> Iterator[str]:
@@ -62,6 +65,20 @@ def never_saw_the_line(run: RunRecord) -> Iterator[str]:
             f"The robot drove {run.driven:.2f} m, and its light sensor never saw the line. White reads 255"
             " and black reads 0: on the line it is below 128."
         )
+
+
+def drove_over_the_line(run: RunRecord) -> Iterator[str]:
+    """Say that the robot drove over the line, and that its light sensor missed it."""
+    crossed = min(distance_to(run.world.floor, sample.x, sample.y) for sample in run.samples) < 0.1
+    step = max((now.distance(before) for before, now in pairwise(run.samples)), default=0.0)
+    if crossed and step >= _LINE and not run.first(sees_line):
+        yield (
+            f"The robot drove over the line and did not see it: its light sensor moved {step * 100:.1f} cm"
+            f" from one reading to the next, and the line is {_LINE * 100:g} cm wide. Drive more slowly."
+        )
+
+
+_LINE = PathStroke(()).width  # m
 
 
 def lost_the_line(run: RunRecord) -> Iterator[str]:

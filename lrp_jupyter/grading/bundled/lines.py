@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
 
 from lrp_jupyter.grading.bundled.common_hints import (
+    drove_over_the_line,
     ignores,
     lost_the_line,
     never_saw_the_line,
@@ -128,13 +128,7 @@ def _did_not_stop(run: RunRecord) -> Iterator[str]:
     yield from stopped_too_early(run, "when its light sensor sees the line")
     yield from _drove_over(run)
     yield from _stopped_before(run)
-    crossed = min(distance_to(run.world.floor, sample.x, sample.y) for sample in run.samples) < 0.1
-    step = max((now.distance(before) for before, now in pairwise(run.samples)), default=0.0)
-    if crossed and step >= _LINE and not run.first(sees_line):
-        yield (
-            f"The robot drove over the line and did not see it: its light sensor moved {step * 100:.1f} cm"
-            f" from one reading to the next, and the line is {_LINE * 100:g} cm wide. Drive more slowly."
-        )
+    yield from drove_over_the_line(run)
     yield from never_saw_the_line(run)
 
 
@@ -195,10 +189,10 @@ def _did_not_follow(run: RunRecord) -> Iterator[str]:
             " the right, and each time a bit further."
         )
     yield from lost_the_line(run)
+    yield from never_saw_the_line(run)
 
 
 _NEAR = near_line(0.12)
-_LINE = PathStroke(()).width  # m
 _WIDE = 0.2  # m
 
 STOP_AT_THE_LINE = Challenge(
