@@ -13,7 +13,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from grading.answers import ANSWERS
+from grading.answers import ANSWERS, SOLUTIONS, Answer, of_series
 
 from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import BUNDLED, challenge
@@ -27,7 +27,10 @@ def main() -> None:
     parser.add_argument("--kind", choices=("solution", "cheat", "wrong"))
     options = parser.parse_args()
     for task in map(challenge, options.challenges) if options.challenges else BUNDLED:
-        answers = [each for each in ANSWERS if each.challenge == task.name]
+        answers = [each for each in (*ANSWERS, *of_series()) if each.challenge == task.name]
+        if task.series:
+            text = (SOLUTIONS / f"{task.name.replace(' ', '-')}.lrp").read_text(encoding="utf-8")
+            answers.insert(0, Answer(task.name, "solution", "", text))
         if options.kind:
             answers = [each for each in answers if each.kind == options.kind]
         seeds = options.seeds if isinstance(task.seeds, int) else None

@@ -8,17 +8,20 @@ from lrp_jupyter.grading.bundled.exercises.exercise import bug, says
 from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, ROOMS, across, hall, lane
 from lrp_jupyter.grading.criteria import (
     backs_off,
+    backs_off_at_bumps,
     bumps,
     ends_in,
     ends_still,
     finds_line,
     near_line,
+    never_pushes,
     stays_in,
     stops_at,
     touches,
     touches_nothing,
     visits,
 )
+from lrp_jupyter.grading.criteria.motion import backed
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import World
@@ -45,6 +48,7 @@ BUGS = (
         "Drive to the wall. After the bump, drive backward for two seconds, and stop.",
         tuple(hall(ahead, distance=0.38) for ahead in (0.6, 1.0, 1.5)),
         touches("wall ahead"),
+        never_pushes(1),
         ends_in("before the wall"),
         ends_still(2),
         seconds=30,
@@ -111,6 +115,7 @@ BUGS = (
         5,
         "Back off at each bump, turn, and drive on. Stop after the third bump.",
         ROOMS,
+        backs_off_at_bumps(1),
         bumps(3),
         backs_off(3),
         ends_still(2),
@@ -120,7 +125,7 @@ BUGS = (
             says(
                 "The robot stopped after its first bump. Step through that moment, and watch `bumps`: in"
                 " which ticks does it grow?",
-                lambda run: run.stood > 2,
+                lambda run: run.stood > 2 and run.fold(backed, 0) < 2,
             ),
         ),
     ),
@@ -129,6 +134,7 @@ BUGS = (
         "Drive to the wall ahead, back off, turn round, drive to the wall behind, and stop there.",
         HALLS,
         touches("wall ahead", "wall behind"),
+        never_pushes(1),
         stops_at("wall behind", 1),
         ends_still(2),
         seconds=60,

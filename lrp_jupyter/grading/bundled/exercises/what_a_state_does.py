@@ -7,7 +7,14 @@ import math
 from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
 from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, ROOMS
-from lrp_jupyter.grading.criteria import backs_off, ends_still, lit_while, stops_at, touches
+from lrp_jupyter.grading.criteria import (
+    backs_off,
+    backs_off_at_bumps,
+    ends_still,
+    lit_while,
+    stops_at,
+    touches,
+)
 from lrp_jupyter.grading.run_record import Sample
 from lrp_jupyter.grading.variation import moves
 
@@ -68,6 +75,7 @@ EXERCISES = (
         " do so three times.",
         ROOMS,
         lit_while("backs off or turns", _drives_back_or_turns),
+        backs_off_at_bumps(1),
         backs_off(4),
         seconds=90,
         vary=moves("robot", x=0.1, y=0.1, degrees=60),
