@@ -18,6 +18,7 @@ from lrp_jupyter.grading.criteria import (
     never_pushes,
     stops_at,
     touches,
+    turns,
 )
 from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.criteria.motion import backed
@@ -174,7 +175,7 @@ LAMP = Challenge(
     "The robot bumps, backs off and turns. Light its lamp while it drives backward, and only then; let it do"
     " so three times.",
     _ROOMS,
-    (lit_while("drives backward", _drives_backward), _ANSWERS, backs_off(3)),
+    (lit_while("drives backward", _drives_backward), _ANSWERS, backs_off(3), turns(90)),
     120,
     (_backed_off_without_a_bump, _lit_wrongly),
     noise={"motor": 0.02},
