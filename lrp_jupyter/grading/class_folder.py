@@ -232,7 +232,7 @@ def _in_zip(
         with opened() as stream, zipfile.ZipFile(stream) as archive:
             names = [each.filename for each in archive.infolist() if not each.is_dir()]
             if parts and len(names) > _MOST_ZIPPED:
-                raise OSError(f"It has more than {_MOST_ZIPPED:,} files")
+                raise OSError(f"It has more than {_MOST_ZIPPED:,} files.")
     except _BROKEN as error:
         own = parts or (place,)
         yield HandedIn(own, place, problem=_cannot_be_unpacked(named(own), error))
