@@ -19,7 +19,8 @@ FOLDER = "lessons"
 
 _NOTE = (
     '<p class="note">Where the text speaks of a cell, press <b>Run</b> on this page. One lab runs at a time, '
-    "and what you type stays in this browser.</p>"
+    "and what you type stays in this browser. Cells in Python run in the notebook: choose <b>As a "
+    "notebook</b>.</p>"
 )
 _PAGE = Path(__file__).with_name("lesson.html")
 _NOTEBOOK = re.compile(r'href="([\w./-]+)\.ipynb(#[^"]*)?"')

@@ -116,19 +116,23 @@ def _asked(section: Section) -> str:
 def _tried(section: Section) -> str:
     """Return the tables of what is done, without what one sees, and what is to be predicted."""
     kept: list[str] = []
+    before = ""
     for block in (block for part in section.parts if isinstance(part, str) for block in _blocks(part)):
         if kept and kept[-1].startswith("<h3>") and block.startswith("#"):
             kept.pop()  # a heading with nothing below it
         if block.startswith("|"):
             table = _unseen(block)
-            if table and kept and kept[-1] == _lines(1):
+            if table and "*Predict" in before:
                 kept.pop()  # there is space in the table
             kept.append(table)
         elif "*Predict" in block:
             kept.append(html_of(block))
             kept.append(_lines(1))
+        elif "*Predict" in before and before.endswith(":"):
+            kept.insert(-1, html_of(block))  # what the prediction is about
         elif block.startswith("### "):
             kept.append(f"<h3>{inline_html(block[4:])}</h3>")
+        before = block
     if kept and kept[-1].startswith("<h3>"):
         kept.pop()
     return "".join(kept)

@@ -1,7 +1,7 @@
 """Worksheets and cards: they ask what the lessons ask, and give nothing away."""
 
 import re
-from html import unescape
+from html import escape, unescape
 
 import pytest
 from support.tables import every
@@ -53,6 +53,8 @@ def test_a_worksheet_has_all_that_is_done_and_nothing_that_is_seen(lesson):
         assert len(seen) < 25 or words(inline_html(seen.strip())) not in text
     for section in lesson.sections:
         for part in section.parts:
+            for program in re.findall(r"\*Predict[^\n]*:\n\n```lrp\n(.*?)```", str(part), re.DOTALL):
+                assert words(escape(program)) in text
             for answer in re.findall(r"</summary>(.*?)</details>", str(part), re.DOTALL):
                 first = answer.strip().split("\n\n")[0]
                 assert words(inline_html(first)) not in text
