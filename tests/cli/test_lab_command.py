@@ -40,7 +40,7 @@ def test_every_notebook_is_shipped():
 
 
 def test_no_solution_is_copied(tmp_path):
-    assert (shipped_notebooks() / "teachers" / "solutions" / "square.lrp").is_file()
+    assert (shipped_notebooks() / "teachers" / "unplugged.md").is_file()
     copied = copy_notebooks(tmp_path)
     assert not [file for file in copied if "teachers" in file.parts]
 

@@ -2,13 +2,13 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 from support.tables import every
 from typer.testing import CliRunner
 
 from lrp_jupyter.cli import app
-from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading import challenges as registry
 from lrp_jupyter.grading.challenges import load
@@ -106,7 +106,7 @@ def test_every_text_has_a_code_that_can_be_read_aloud(text):
 
 
 def test_the_exam_of_the_teachers_page_is_one(tmp_path):
-    page = (shipped_notebooks() / "teachers/exam.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "notebooks/teachers/exam.md").read_text(encoding="utf-8")
     code = page.partition("```python exam\n")[2].partition("```")[0]
     (tmp_path / "exam-1.py").write_text(code, encoding="utf-8")
     task = load(tmp_path / "exam-1.py")

@@ -5,14 +5,15 @@ import shlex
 
 import pytest
 import typer
+from stored import NOTEBOOKS
 from support.tables import every
 
 from lrp_jupyter.cli import app
-from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.language.parser import parse
 
-ROOT = shipped_notebooks()
-PAGES = {path.relative_to(ROOT): path.read_text(encoding="utf-8") for path in sorted(ROOT.rglob("*.md"))}
+PAGES = {
+    path.relative_to(NOTEBOOKS): path.read_text(encoding="utf-8") for path in sorted(NOTEBOOKS.rglob("*.md"))
+}
 COMMANDS = [
     (str(name), line.partition(" #")[0].strip())
     for name, page in PAGES.items()

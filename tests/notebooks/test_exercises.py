@@ -219,6 +219,7 @@ def test_the_rule_on_speed_holds_at_every_speed(speed):
     assert _sees_the_line_at(speed) == (speed <= 0.3)
 
 
+@pytest.mark.slow
 def test_a_lap_needs_the_faster_drive_and_the_faster_search_that_its_plan_names():
     assert "`forward` at 0.4 and `search` at 1.5 pass; either alone does not" in _plans()
     begins = challenge("lap").starter

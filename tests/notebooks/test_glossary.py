@@ -3,13 +3,12 @@
 import re
 from typing import NamedTuple
 
+from stored import NOTEBOOKS
 from support.tables import every
 
-from lrp_jupyter.cli.lab_command import shipped_notebooks
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.site.lessons import read_lessons
 
-ROOT = shipped_notebooks()
 ENTRY = re.compile(r"^\*\*(.+?)\*\* \(\[(\d+)\]\((.+?)\)\): (.+?)(?: \*Elsewhere: (.+)\.\*)?$", re.M)
 
 
@@ -31,9 +30,9 @@ def without_code(text):
     return re.sub(r"^```.*?^```|`[^`]*`", " ", text, flags=re.M | re.S)
 
 
-PAGE = (ROOT / "glossary.md").read_text(encoding="utf-8")
+PAGE = (NOTEBOOKS / "glossary.md").read_text(encoding="utf-8")
 ENTRIES = [Entry(*found) for found in ENTRY.findall(PAGE)]
-LESSONS = {lesson.name: prose(lesson) for lesson in read_lessons(ROOT)}
+LESSONS = {lesson.name: prose(lesson) for lesson in read_lessons(NOTEBOOKS)}
 
 
 def uses(word, text):
@@ -64,8 +63,8 @@ def test_no_lesson_has_a_second_word_for_the_same(entry):
 
 
 def test_the_glossary_is_listed_with_the_lessons_and_in_the_index():
-    assert "\nglossary\n" in (ROOT / "index.md").read_text(encoding="utf-8")
-    assert "(glossary.md)" in (ROOT / "lessons.md").read_text(encoding="utf-8")
+    assert "\nglossary\n" in (NOTEBOOKS / "index.md").read_text(encoding="utf-8")
+    assert "(glossary.md)" in (NOTEBOOKS / "lessons.md").read_text(encoding="utf-8")
 
 
 def test_the_programs_in_the_glossary_are_programs():
