@@ -89,6 +89,7 @@ def test_a_cell_says_what_an_edit_of_an_active_state_does_also_with_another_robo
     assert session.on_active_edit == "keep"
     run("bridge none")
     assert lab.session is not session
+    lab.session.call(int)  # when it is done, what the new session was asked for before is done, too
     assert (lab.session.on_active_edit, lab.session.on_issue) == ("keep", "pause")
     cell(shell, "mine --on-active-edit restart", A)
     assert lab.session.on_active_edit == "restart"
