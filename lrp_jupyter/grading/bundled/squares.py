@@ -219,8 +219,8 @@ TWO_SQUARES = Challenge(
 
 LAMP_AND_LEGS = Challenge(
     "lamp and legs",
-    "While the robot drives the square, to 10 cm, let its lamp blink all the time: one second lit, one second"
-    " dark.",
+    "Drive the square, never further than 10 cm from the exact one, and meanwhile let the lamp blink all the"
+    " time: one second lit, one second dark.",
     (square(),),
     (blinks(1), _CORNERS, _STRAIGHT, _SIDES),
     90,

@@ -18,30 +18,38 @@ _AMOUNTS = frozenset({"INTEGER", "AMOUNT"})
 def check_delays(report: Reporter, names: Resolution, tick: float = TICK) -> None:
     """Report delays of less than a tick, which lasts `tick` milliseconds."""
     constants = Constants(names)
-    told: set[Span] = set()
+    told: set[int] = set()  # variables that several transitions wait for
 
-    def short(number: float, span: Span, name: str = "") -> None:
-        if not 0 < number < tick or span in told:
+    def short(number: float, span: Span, name: str = "", has_place: bool = True) -> None:
+        if not 0 < number < tick:
             return
-        told.add(span)
         meant = f"{number * 1000:.0f}"
         is_delay = f"`{name}` is a delay in milliseconds" if name else "A delay is in milliseconds"
         message = f"{is_delay}, and {number:g} ms is less than one tick. For {number:g} s, write `{meant}`."
-        report.add("LRP411", span, message, replace(span, meant))
+        report.add("LRP411", span, message, replace(span, meant) if has_place else None)
 
     for scope in names.scopes:
         for arrow in names.arrows[scope]:
             for delay in (arrow.noun.trigger, arrow.noun.hold):
                 if isinstance(delay, Delay) and isinstance(delay.amount, Name):
                     written = constants.number(scope.owner("variable", delay.amount), delay.amount)
-                    if written is not None and written.number is not None:
+                    if written is not None and written.number is not None and id(written.block) not in told:
+                        told.add(id(written.block))
                         short(written.number, written.block.at(written.span), str(delay.amount))
                 elif isinstance(delay, Delay) and isinstance(delay.amount, int):
                     if 0 < delay.amount < tick:
-                        items = report.sheet.at(arrow.noun.span.start).items
-                        amounts = [each for each in items if isinstance(each, tuple) and each[0] in _AMOUNTS]
-                        short(delay.amount, Span(*amounts[-1 if delay is arrow.noun.hold else 0][1:]))
+                        span = _amount(report, arrow.noun.span, delay is arrow.noun.hold)
+                        short(delay.amount, span or arrow.noun.span, has_place=span is not None)
                 elif isinstance(delay, Delay) and isinstance(delay.amount, Block):
                     written = written_in(delay.amount)
                     if written is not None and written.number is not None:
                         short(written.number, delay.amount.at(written.span))
+
+
+def _amount(report: Reporter, transition: Span, is_hold: bool) -> Span | None:
+    """Return where the number of a delay is written; None in a program that was made without a text."""
+    if not report.program.text:
+        return None
+    items = report.sheet.at(transition.start).items
+    amounts = [each for each in items if isinstance(each, tuple) and each[0] in _AMOUNTS]
+    return Span(*amounts[-1 if is_hold else 0][1:])
