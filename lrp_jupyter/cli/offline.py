@@ -107,7 +107,7 @@ def _robot_of(source: Source) -> RobotMembers | None:
 
     named = programs.heading(source.text).challenge
     if source.world is None and named is not None:
-        with suppress(LRPError):  # a challenge of a file that is not run
+        with suppress(LRPError, ModuleNotFoundError):  # a challenge of a file that is not run; no simulator
             return members_of(make_bridge("sim", world=challenge(named).worlds[0]))
     return members_of_world(source.world or DEFAULT_WORLD)
 

@@ -130,14 +130,17 @@ def _names_in(fields: Iterable[Member], prefix: str = "") -> Iterator[tuple[str,
 
 
 def members_of_world(world: str) -> RobotMembers | None:
-    """Return the members of the robot of a simulated world; None if there is no such world, or no robot."""
+    """Return the members of the robot of a simulated world.
+
+    None if there is no such world, or no robot, or if the packages of the simulator are not installed.
+    """
     return _simulated(world) if world.endswith(".json") else _bundled(world)
 
 
 def _simulated(world: str) -> RobotMembers | None:
     try:
         return members_of(make_bridge("sim", world=world))
-    except BridgeError:
+    except (BridgeError, ModuleNotFoundError):
         return None
 
 
