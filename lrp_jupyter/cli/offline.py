@@ -103,11 +103,11 @@ def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
 
 def _robot_of(source: Source) -> RobotMembers | None:
     """Return the members of the simulated robot of a file: of its world, else of that of its challenge."""
-    from lrp_jupyter.grading.challenges import challenge
-
     named = programs.heading(source.text).challenge
     if source.world is None and named is not None:
         with suppress(LRPError, ModuleNotFoundError):  # a challenge of a file that is not run; no simulator
+            from lrp_jupyter.grading.challenges import challenge
+
             return members_of(make_bridge("sim", world=challenge(named).worlds[0]))
     return members_of_world(source.world or DEFAULT_WORLD)
 
