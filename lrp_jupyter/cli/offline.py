@@ -60,7 +60,7 @@ def check_files(
         robot = members_of(made)
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
-    assumed: list[Finding] = []  # for a robot that nobody named
+    assumed: list[Finding] = []  # for a robot that was not named
     lines: list[dict[str, Any]] = []
     unreadable = False
     for file in files:

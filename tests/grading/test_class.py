@@ -126,10 +126,10 @@ def test_moodle_gets_its_worksheet_back_with_grades_and_comments(school, tmp_pat
     point = "," if separator == ";" else "."
     expected = {"both": f"100{point}0", "first": f"50{point}0", "given": f"0{point}0", "unread": ""}
     for old, new in zip(before, after, strict=True):
-        kind = kinds.get(new["Full name"], "nobody")
+        kind = kinds.get(new["Full name"], "absent")
         assert {**new, "Grade": "", "Feedback comments": ""} == old
-        assert new["Grade"] == expected.get(kind, "" if kind == "nobody" else new["Grade"]), new
-        assert bool(new["Feedback comments"]) == (kind != "nobody")
+        assert new["Grade"] == expected.get(kind, "" if kind == "absent" else new["Grade"]), new
+        assert bool(new["Feedback comments"]) == (kind != "absent")
     assert filled.rows == sum(kind in READ for kind in kinds.values())
     (note,) = filled.notes
     assert note.startswith("No grade was entered for ")
@@ -257,7 +257,7 @@ def test_programs_are_alike_whatever_their_names_comments_layout_and_order():
     assert 0.5 < shares["one", "three"] < 0.9
     assert shares["one", "four"] < 0.3
     assert not any("bad" in pair for pair in shares)
-    assert alike(programs, given=ONE, least=0.01) == []  # nobody has added anything to it but one
+    assert alike(programs, given=ONE, least=0.01) == []  # only one of them has added anything to it
 
 
 DRIVES = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
@@ -266,7 +266,7 @@ DRIVES = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
 @pytest.mark.parametrize(
     "rest", ["<![", "<!--", "<?", "</", "<a href='", "<", "<!-- < -->", "<!DOCTYPE html>"]
 )
-def test_a_page_with_half_a_tag_is_read_and_holds_up_nobody(rest, tmp_path):
+def test_a_page_with_half_a_tag_is_read_and_holds_up_no_one(rest, tmp_path):
     """The parser fails at some halves of tags, and takes hours for many of others."""
     (tmp_path / "ada.html").write_text(f"<p>; challenge: first move</p><p>{DRIVES}</p>{rest * 2_000}")
     (found,) = find_submissions([tmp_path])

@@ -12,9 +12,10 @@ from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import Criterion, drives, ends_in, visits
 from lrp_jupyter.grading.grade import grade
-from lrp_jupyter.grading.variation import mirrored, moves, shades, varied, wears
+from lrp_jupyter.grading.variation import moves, shades, varied, wears
 from lrp_jupyter.sim import worlds
 from lrp_jupyter.sim.floor import LiveFloor
+from lrp_jupyter.sim.mirror import mirrored
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, FloorSpec, PathStroke, RobotSpec, World
 
 YARD = World(

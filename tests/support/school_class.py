@@ -144,7 +144,7 @@ def worksheet(separator: str = ",") -> str:
         "Feedback comments",
     ]
     rows = [head]
-    for number, student in enumerate([*STUDENTS, "Nobody There", "Else Where"]):
+    for number, student in enumerate([*STUDENTS, "Not There", "Else Where"]):
         mail = f"{number}@school.example"
         rows.append(
             [f"Participant {1000 + number}", student, mail, "Submitted", "", most, "Yes", "-", "-", ""]

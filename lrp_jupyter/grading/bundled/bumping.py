@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from lrp_jupyter.grading.bundled.common_hints import kept_pushing, never_touched
+from lrp_jupyter.grading.bundled.rooms import ROOMS
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import (
@@ -24,7 +25,7 @@ from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.criteria.motion import backed
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.grading.variation import moves
-from lrp_jupyter.sim.world import BoxSolid, Pose, RobotSpec, World
+from lrp_jupyter.sim.world import BoxSolid, RobotSpec, World
 
 
 def _wall_ahead(metres: float) -> World:
@@ -33,26 +34,6 @@ def _wall_ahead(metres: float) -> World:
     return World(
         name=f"wall after {metres:g} m", size=(3, 2), solids=(wall,), robots=(RobotSpec((0.5, 1, 0)),)
     )
-
-
-def _room(name: str, width: float, height: float, pose: Pose) -> World:
-    """Return a room between four walls that have names."""
-    thick = 0.06
-    walls = {
-        "west wall": (thick / 2, height / 2, thick, height),
-        "east wall": (width - thick / 2, height / 2, thick, height),
-        "south wall": (width / 2, thick / 2, width, thick),
-        "north wall": (width / 2, height - thick / 2, width, thick),
-    }
-    solids = tuple(BoxSolid(box, name=wall) for wall, box in walls.items())
-    return World(name=name, size=(width, height), solids=solids, robots=(RobotSpec(pose),))
-
-
-_ROOMS = (
-    _room("room", 1.8, 1.4, (0.6, 0.7, 0)),
-    _room("wide room", 2.4, 1.4, (1.2, 0.6, 0.5)),
-    _room("narrow room", 1.2, 1.6, (0.5, 0.8, 2)),
-)
 
 
 def _drives_backward(sample: Sample) -> bool:
@@ -160,7 +141,7 @@ BUMP_AND_TURN = Challenge(
     "bump and turn",
     "Drive about in the room: at each bump back off, turn, and drive on. Bump into three different walls, and"
     " never push against one for longer than a second.",
-    _ROOMS,
+    ROOMS,
     (_ANSWERS, backs_off(2), bumps(3, walls=3), never_pushes(1)),
     120,
     (_backed_off_without_a_bump, _did_not_turn),
@@ -174,7 +155,7 @@ LAMP = Challenge(
     "lamp",
     "The robot bumps, backs off and turns. Light its lamp while it drives backward, and only then; let it do"
     " so three times.",
-    _ROOMS,
+    ROOMS,
     (lit_while("drives backward", _drives_backward), _ANSWERS, backs_off(3), turns(90)),
     120,
     (_backed_off_without_a_bump, _lit_wrongly),
@@ -190,7 +171,7 @@ BUMP_OUT = Challenge(
     "bump out of everything",
     "The robot wanders about in three states. Whichever of `straight`, `left` and `right` is active at a"
     " bump, let the robot back off and wander on: it never pushes for longer than a second.",
-    _ROOMS,
+    ROOMS,
     (bumps_in(*_WANDERING), _ANSWERS, backs_off(5), never_pushes(1)),
     480,
     (_backed_off_without_a_bump, _stayed_in_a_state),

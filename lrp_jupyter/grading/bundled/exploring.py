@@ -9,7 +9,8 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import avoids, covers, looks, sees_line, stays_in, touches_nothing, visits
 from lrp_jupyter.grading.run_record import RunRecord
-from lrp_jupyter.grading.variation import mirrored, moves, shades
+from lrp_jupyter.grading.variation import moves, shades
+from lrp_jupyter.sim.mirror import mirrored
 from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
 from lrp_jupyter.sim.worlds import drawn_maze, load
 

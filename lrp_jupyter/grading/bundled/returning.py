@@ -12,8 +12,9 @@ from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import ends_still, touches, within
 from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.run_record import RunRecord
-from lrp_jupyter.grading.variation import mirrored, moves
+from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.programs import load
+from lrp_jupyter.sim.mirror import mirrored
 from lrp_jupyter.sim.world import BoxSolid
 from lrp_jupyter.sim.worlds import load as load_world
 

@@ -12,9 +12,8 @@ from functools import lru_cache
 from lrp_jupyter.language.checks.constants import Constants, WrittenValue
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.checks.scanned import ScannedBlock, scanned
-from lrp_jupyter.language.checks.uses import number_of
+from lrp_jupyter.language.checks.uses import names_and_parents, number_of
 from lrp_jupyter.language.program import Span
-from lrp_jupyter.language.python.block_suite import children
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.robot_members import RobotMembers
 
@@ -99,22 +98,12 @@ def numeric_uses(text: str, numbers: frozenset[tuple[str, str | int]]) -> tuple[
     block = scanned(text)
     if block is None:
         return ()
-    found: list[tuple[str, Span]] = []
-    parents: dict[ast.AST, ast.AST] = {}
-    level: list[ast.AST] = [block.tree]
-    while level:
-        after: list[ast.AST] = []
-        for node in level:
-            if isinstance(node, ast.JoinedStr):  # positions inside one are wrong before Python 3.12
-                continue
-            for child in children([node]):
-                parents[child] = node
-                after.append(child)
-                is_read = isinstance(child, ast.Name) and not isinstance(child.ctx, ast.Del)
-                if isinstance(child, ast.Name) and is_read and _is_numeric(child, parents, block, numbers):
-                    found.append((child.id, block.span(child)))
-        level = after
-    return tuple(found)
+    found, parents = names_and_parents(block.tree)
+    return tuple(
+        (name.id, block.span(name))
+        for name in found
+        if not isinstance(name.ctx, ast.Del) and _is_numeric(name, parents, block, numbers)
+    )
 
 
 def _is_numeric(

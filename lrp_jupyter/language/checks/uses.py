@@ -97,9 +97,16 @@ def uses_of(name: str, text: str) -> tuple[NameUse, ...]:
     block = scanned(text, [name])
     if block is None or any(use.writes and use.name == name for use in block.names.found):
         return ()
+    names, parents = names_and_parents(block.tree)
+    reader = _Uses(parents, block)
+    return tuple(reader.use(each) for each in names if each.id == name and isinstance(each.ctx, ast.Load))
+
+
+def names_and_parents(tree: ast.AST) -> tuple[list[ast.Name], dict[ast.AST, ast.AST]]:
+    """Return the names in a block that have a place, from the outside in, and the parent of each node."""
+    names: list[ast.Name] = []
     parents: dict[ast.AST, ast.AST] = {}
-    found = []
-    level: list[ast.AST] = [block.tree]
+    level = [tree]
     while level:
         after: list[ast.AST] = []
         for node in level:
@@ -108,11 +115,10 @@ def uses_of(name: str, text: str) -> tuple[NameUse, ...]:
             for child in children([node]):
                 parents[child] = node
                 after.append(child)
-                if isinstance(child, ast.Name) and child.id == name and isinstance(child.ctx, ast.Load):
-                    found.append(child)
+                if isinstance(child, ast.Name):
+                    names.append(child)
         level = after
-    reader = _Uses(parents, block)
-    return tuple(map(reader.use, found))
+    return names, parents
 
 
 class _Uses:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from lrp_jupyter.grading.bundled.exercises.exercise import bug, says
-from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, ROOMS, across, hall, lane
+from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, across, hall, lane
+from lrp_jupyter.grading.bundled.rooms import ROOMS
 from lrp_jupyter.grading.criteria import (
     backs_off,
     backs_off_at_bumps,

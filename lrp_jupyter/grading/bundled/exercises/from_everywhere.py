@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
-from lrp_jupyter.grading.bundled.exercises.exercise_worlds import ROOMS, THICK, across, lane
+from lrp_jupyter.grading.bundled.exercises.exercise_worlds import across, lane
+from lrp_jupyter.grading.bundled.rooms import ROOMS, THICK
 from lrp_jupyter.grading.criteria import (
     Criterion,
     backs_off,

@@ -7,7 +7,8 @@ from dataclasses import replace
 from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
 from lrp_jupyter.grading.bundled.exercises.exercise_criteria import turns_to
-from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, ROOMS, room
+from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS
+from lrp_jupyter.grading.bundled.rooms import ROOMS, room
 from lrp_jupyter.grading.criteria import (
     backs_off,
     bumps,

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
-from lrp_jupyter.grading.bundled.exercises.exercise_worlds import RADIUS, THICK, across, hall, lane
+from lrp_jupyter.grading.bundled.exercises.exercise_worlds import RADIUS, across, hall, lane
+from lrp_jupyter.grading.bundled.rooms import THICK
 from lrp_jupyter.grading.criteria import ends_in, ends_still, near_line, touches_nothing, visits, within
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves

@@ -6,7 +6,8 @@ import math
 
 from lrp_jupyter.grading.bundled.common_hints import kept_pushing
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
-from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, ROOMS
+from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS
+from lrp_jupyter.grading.bundled.rooms import ROOMS
 from lrp_jupyter.grading.criteria import (
     backs_off,
     backs_off_at_bumps,

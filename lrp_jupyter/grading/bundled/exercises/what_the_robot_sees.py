@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
-from lrp_jupyter.grading.bundled.exercises.exercise_worlds import (
-    HALLS,
-    RADIUS,
-    THICK,
-    across,
-    lane,
-)
+from lrp_jupyter.grading.bundled.exercises.exercise_worlds import HALLS, RADIUS, across, lane
+from lrp_jupyter.grading.bundled.rooms import THICK
 from lrp_jupyter.grading.criteria import ends_in, ends_still, touches_nothing, visits
 from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import BoxSolid, CircleZone, RobotSpec, World
