@@ -165,10 +165,10 @@ def test_a_check_that_does_not_return_leaves_a_way_out(plain, simulator):
     lab.pause()
     lab.select("robot.move(linear=0.2)")
     lab.page.keyboard.insert_text("sum(range(10**16))")
-    lab.do("check")
+    lab.find('[data-lrp-action="check"]').evaluate("button => button.click()")  # at once
     lab.page.locator("#restart").click()
     lab.reads(":scope", "did not answer and was started again")
-    assert "sum(range(10**16))" in lab.text
+    lab.reads(".cm-content", "sum(range(10**16))")
 
 
 def test_an_address_that_leads_nowhere_is_told(plain):

@@ -15,6 +15,7 @@ const STORED_EVERY = 250; // ms
 
 let python: PyodideInterface;
 let opened: Opened | null = null;
+let held: FromWorker[] | null = null; // answers, until what they answer is stored
 let folder: Folder | null = null; // once it is loaded: a folder that is not must not replace what is stored
 
 const post = (message: FromWorker, transfer: Transferable[] = []) =>
@@ -51,10 +52,21 @@ async function storeAgain(): Promise<void> {
   setTimeout(storeAgain, STORED_EVERY);
 }
 
+/** Have a message handled, and answer when what it has changed is stored: Python may not return from the next one. */
+async function receive(message: string): Promise<void> {
+  held = [];
+  opened?.receive(message);
+  await store();
+  held.forEach((each) => void post(each));
+  held = null;
+}
+
 function send(message: string, buffers: { toJs(): Uint8Array[]; destroy(): void }): void {
   const bytes = buffers.toJs();
   buffers.destroy();
-  post({ is: "message", message, buffers: bytes });
+  const answer: FromWorker = { is: "message", message, buffers: bytes };
+  if (held) held.push(answer);
+  else post(answer);
 }
 
 async function handle(message: ToWorker): Promise<void> {
@@ -67,7 +79,7 @@ async function handle(message: ToWorker): Promise<void> {
       .open_program(JSON.stringify(message.wanted), send);
     post({ is: "opened" });
   }
-  if (message.do === "message") opened?.receive(message.message);
+  if (message.do === "message") await receive(message.message);
   if (message.do === "text" && opened) post({ is: "text", ...JSON.parse(opened.shared()) });
   if (message.do === "ping") post({ is: "pong" });
 }
@@ -80,6 +92,9 @@ function sentenceOf(error: unknown): string {
   return lines.at(-1)!.replace(/^[\w.]*Error: /, "");
 }
 
+let handled = Promise.resolve(); // one after the other
 addEventListener("message", ({ data }: MessageEvent<ToWorker>) => {
-  handle(data).catch((error) => post({ is: "failed", sentence: sentenceOf(error) }));
+  handled = handled
+    .then(() => handle(data))
+    .catch((error) => post({ is: "failed", sentence: sentenceOf(error) }));
 });

@@ -20,14 +20,16 @@ from lrp_jupyter.live.session import Session
 Make = Callable[..., RosBridge]
 SPEEDS = "test/Speeds"
 WHEELS = """\
-import rospy, sys, time
+import rospy, sys, threading, time
 from std_msgs.msg import Float64
 speeds = {}
+lock = threading.Lock()  # each topic has a thread of its own
 def turn(speed, wheel):
-    if speeds.get(wheel) != speed.data:
-        speeds[wheel] = speed.data
-        sys.stdout.write(f"{time.monotonic()} {max(map(abs, speeds.values()))}\\n")
-        sys.stdout.flush()
+    with lock:
+        if speeds.get(wheel) != speed.data:
+            speeds[wheel] = speed.data
+            sys.stdout.write(f"{time.monotonic()} {max(map(abs, speeds.values()))}\\n")
+            sys.stdout.flush()
 rospy.init_node("wheels", disable_rosout=True)
 for wheel in "left", "right":
     rospy.Subscriber(f"/{wheel}/command", Float64, turn, wheel)
