@@ -1,14 +1,15 @@
 """How many runs the answers to the challenges pass: all solutions in every one, cheats and wrong answers not.
 
-    python tests/benchmarks/answers.py [--seeds 50] [CHALLENGE …]
+    python tests/benchmarks/answers.py [--seeds 50] [--kind KIND] [CHALLENGE …]
 
-A run is one world with one seed. A challenge with seeds of its own is run with those.
+A run is one world with one seed; the worlds share the seeds. A challenge with its own seeds is run with those.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from math import ceil
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -33,7 +34,7 @@ def main() -> None:
             answers.insert(0, Answer(task.name, "solution", "", text))
         if options.kind:
             answers = [each for each in answers if each.kind == options.kind]
-        seeds = options.seeds if isinstance(task.seeds, int) else None
+        seeds = ceil(options.seeds / len(task.worlds)) if isinstance(task.seeds, int) else None
         print(f"\n## {task.name}\n", flush=True)
         print("| answer | runs passed | of | passes | the first that does not |\n|---|---|---|---|---|")
         grades = grade_all([each.text for each in answers], task, seeds)

@@ -167,7 +167,7 @@ def pause_at_a_line(lab, fingers):
 
 
 def find_all_large_enough(lab):
-    assert lab.page.evaluate(SMALL, [lab.root.element_handle(), PRESSED, LEAST]) == []
+    lab.until(f"(root, asked) => !({SMALL})([root, ...asked]).length", argument=[PRESSED, LEAST])
 
 
 def go_faster(lab, fingers):

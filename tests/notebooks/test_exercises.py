@@ -18,6 +18,7 @@ from lrp_jupyter.grading import challenges as registry
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenges import BUNDLED, Challenge, challenge, challenges
 from lrp_jupyter.grading.grade import jobs_of
+from lrp_jupyter.grading.workers import run_jobs
 from lrp_jupyter.language.edits.initials import with_initial
 
 SOLUTIONS = NOTEBOOKS / "teachers" / "solutions"
@@ -214,7 +215,7 @@ def test_a_robot_that_is_faster_than_the_rule_allows_does_not_see_the_line():
 
 
 @pytest.mark.slow
-@every("speed", [each / 100 for each in range(20, 51, 2)])
+@every("speed", [0.2, 0.26, 0.3, 0.32, 0.4, 0.42, 0.5])
 def test_the_rule_on_speed_holds_at_every_speed(speed):
     assert _sees_the_line_at(speed) == (speed <= 0.3)
 
@@ -245,20 +246,25 @@ def test_gains_between_those_that_the_plan_names_keep_the_distance_and_others_do
 def test_the_gap_helps_the_robust_follower_as_much_as_its_plan_says():
     said = re.search(r"(\d+) of 50 pass with a `gap` of (\d+)", _plans())
     assert said is not None
-    task = challenge("robust follower")
-    attempts = grade(_with(task.starter, gap=int(said[2])), task).attempts
-    assert sum(attempt.passed for attempt in attempts) == int(said[1])
+    text = _with(challenge("robust follower").starter, gap=int(said[2]))
+    assert _runs_passed(text) == (int(said[1]), 50)
 
 
 @pytest.mark.slow
 def test_a_gap_that_is_too_wide_costs_the_time_that_its_plan_says():
     said = re.search(r"about (\d+) s with (\d+) and (\d+) s with (\d+), instead of (\d+) s\.", _plans())
     assert said is not None
-    task = replace(challenge("robust follower"), seeds=range(1000, 1006))
+    task = replace(challenge("robust follower"), seeds=range(1000, 1003))
     for seconds, gap in ((said[1], said[2]), (said[3], said[4]), (said[5], "70")):
         _, jobs = jobs_of(_with(task.starter, gap=int(gap)), task)
         times = sorted(attempt(job).seconds for job in jobs)
-        assert round(times[len(times) // 2]) == int(seconds)
+        assert times[len(times) // 2] == pytest.approx(int(seconds), abs=1)
+
+
+def _runs_passed(text: str) -> tuple[int, int]:
+    """How many of the runs of the robust follower a program passes."""
+    _, jobs = jobs_of(text, "robust follower")
+    return sum(made.passed for _, made in run_jobs(jobs)), len(jobs)
 
 
 def _plans() -> str:
@@ -278,8 +284,7 @@ def test_the_robust_follower_passes_as_often_as_its_notebook_says():
     said = re.search(r"In (\d+) of them\.", prose(read(path)))
     assert said is not None
     (exercise,) = (each for each in EXERCISES if each.notebook == path)
-    attempts = grade(exercise.text, exercise.challenge).attempts
-    assert (sum(attempt.passed for attempt in attempts), len(attempts)) == (int(said[1]), 50)
+    assert _runs_passed(exercise.text) == (int(said[1]), 50)
 
 
 # -- six broken robots ---------------------------------------------------------------------------------

@@ -28,6 +28,9 @@ LESSONS = [path for path in ALL if path.parent == NOTEBOOKS]
 TEACHERS = NOTEBOOKS / "teachers"
 REFERENCE = NOTEBOOKS / "reference" / "language.ipynb"
 PATTERNS = NOTEBOOKS / "reference" / "patterns.ipynb"
+SERIES = [path for path in ALL if path.parent.name == "exercises"]
+EXECUTED = [path for path in ALL if path not in SERIES[1:]]
+"""Of the series, which only open programs, one."""
 all_notebooks = every("path", ALL)
 all_lessons = every("path", LESSONS)
 
@@ -40,7 +43,7 @@ class Run(NamedTuple):
     solved: str
 
 
-@pytest.fixture(scope="module", params=ALL, ids=lambda path: path.stem)
+@pytest.fixture(scope="module", params=EXECUTED, ids=lambda path: path.stem)
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
     import nbformat  # slow: only here
     from execution import Execution
@@ -106,6 +109,16 @@ def test_it_reads_well_without_a_kernel(path: Path):
             assert data_of(cell, "image/svg+xml"), "a lab leaves its picture"
     assert pictures >= 1
     assert "widgets" not in notebook.metadata
+
+
+@every("path", SERIES)
+def test_a_series_only_opens_programs_and_stores_each_as_it_comes_out(path: Path):
+    first, *others = (cell for cell in read(path).cells if cell.cell_type == "code")
+    assert first.source == "%load_ext lrp_jupyter"
+    for cell in others:
+        assert opened_program(cell.source)
+        (shown,) = data_of(cell, "text/plain")
+        assert shown.rstrip() == cell.source.partition("\n")[2].rstrip()
 
 
 @all_notebooks
