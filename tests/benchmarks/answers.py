@@ -2,7 +2,7 @@
 
     python tests/benchmarks/answers.py [--seeds 50] [--kind KIND] [CHALLENGE …]
 
-A run is one world with one seed; the worlds share the seeds. A challenge with its own seeds is run with those.
+A run is one world with one seed; the worlds share the seeds. A challenge with its own seeds takes those.
 """
 
 from __future__ import annotations
