@@ -150,6 +150,12 @@ class Challenge:
         return "\n".join([*lines, f"; challenge: {self.name}", "", self.starter])
 
     @property
+    def begins_with(self) -> str:
+        """What points count above, in words."""
+        given = "the program that the challenge begins with"
+        return "a robot that stands still" if self.starter == _STARTER else given
+
+    @property
     def runs(self) -> tuple[tuple[World, int], ...]:
         """The world of each run, in which things are where its seed puts them, and the seed."""
         seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds

@@ -41,6 +41,8 @@ class Grade:
     start : float
         Share of the points that the text which one begins with earns in the same runs, as measured: points
         count above that.
+    begins_with : str
+        What that text is, in words.
     notes : tuple of str
         What a teacher may want to read in a program, such as an import of `sys`; no fault.
     """
@@ -51,6 +53,7 @@ class Grade:
     runs: int = 0
     needed: float = 1.0
     start: float = 0.0
+    begins_with: str = "the program that the challenge begins with"
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -123,9 +126,7 @@ class Grade:
         if self.needed < 1:
             lines.append(f"  {self.needed:.0%} of the runs have to pass")
         if self.start and not self.passed:
-            lines.append(
-                f"  points count above what one begins with, which meets {self.start:.0%} of the task"
-            )
+            lines.append(f"  points count above {self.begins_with}, which meets {self.start:.0%} of the task")
         if len(self.attempts) > 1:
             lines += list(self._summary())
         if self.attempts:
@@ -215,7 +216,7 @@ def above_starter(result: Grade, task: Challenge, begun: Sequence[Attempt]) -> G
     """Return a grade whose points count above those of the text that one begins with, after its runs."""
     if begun and start_of(task) is None:
         _starters.append((task, sum(made.share for made in begun) / result.runs))
-    return replace(result, start=start_of(task) or 0.0)
+    return replace(result, start=start_of(task) or 0.0, begins_with=task.begins_with)
 
 
 _starters: list[tuple[Challenge, float]] = []  # measured in this process

@@ -10,7 +10,7 @@ from lrp_jupyter.grading import grade as grading
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.batch import grade_all
 from lrp_jupyter.grading.challenges import BUNDLED, Challenge
-from lrp_jupyter.grading.criteria import drives
+from lrp_jupyter.grading.criteria import drives, touches_nothing
 from lrp_jupyter.grading.grade import grade, jobs_of
 from lrp_jupyter.grading.sweep import sweep
 from lrp_jupyter.live.session import Session
@@ -35,8 +35,15 @@ def test_points_count_above_what_one_begins_with_in_the_same_runs():
     assert result.start == pytest.approx(0.5, abs=0.02)
     assert result.share == pytest.approx(0.75, abs=0.02)
     assert result.points == pytest.approx(5, abs=0.2)
-    assert "\n  points count above what one begins with, which meets 50% of the task\n" in str(result)
+    above = "points count above the program that the challenge begins with, which meets 50% of the task"
+    assert f"\n  {above}\n" in str(result)
     assert [grade(driving(seconds), WAY).points for seconds in (5, 2, 11)] == [0, 0, 10]
+
+
+def test_where_no_program_is_given_points_count_above_a_robot_that_stands_still():
+    own = Challenge("own", "Stay clear of the wall, and drive.", "line", (touches_nothing(), drives(2)), 6)
+    result = grade(driving(5), own)
+    assert "\n  points count above a robot that stands still, which meets 50% of the task\n" in str(result)
 
 
 def test_what_one_begins_with_is_run_once_and_only_where_points_depend_on_it(monkeypatch):
