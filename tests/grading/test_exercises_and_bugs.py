@@ -67,6 +67,23 @@ def test_the_exercises_have_four_numbers_in_each_lesson_and_the_bugs_are_counted
     assert bugs == [f"bug {number}" for number, _ in enumerate(bugs, 1)]
 
 
+@every(
+    ("name", "worlds"),
+    [
+        ("exercise 16.1", {"wall after 1 m", "wall after 0.5 m"}),
+        ("exercise 16.3", {"black line", "line near the wall"}),
+    ],
+)
+def test_what_a_hint_calls_broken_had_passed(name, worlds):
+    task = next(each for each in EXERCISES if each.name == name)
+    jobs = jobs_of(task.beginning, task)[1]
+    assert {job.world_name for job in jobs if attempt(job).passed} == worlds
+    broken = map(attempt, jobs_of(task.beginning.replace("driving ->", "stopped ->"), task)[1])
+    assert {
+        made.world for made in broken if any("an edit has broken it" in hint for hint in made.hints)
+    } == worlds
+
+
 @every("each", EXERCISES)
 def test_the_bracket_that_closes_a_machine_has_a_line_of_its_own(each):
     program, _ = scan(each.starter)

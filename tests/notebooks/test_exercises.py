@@ -6,7 +6,8 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import pytest
 from prose import file_of, prose
@@ -148,7 +149,7 @@ def test_an_exercise_of_a_series_says_its_task_and_its_number(exercise: Exercise
 
 def test_a_lesson_leads_to_five_exercises_of_which_the_fourth_is_open_and_the_plans_know_all():
     lessons = [NOTEBOOKS / path.name for path in paths() if re.match(r"exercises/\d\d", _place(path))]
-    assert len(lessons) >= 14
+    assert [path.name for path in lessons] == [path.name for path in paths() if path.parent == NOTEBOOKS]
     answers = (NOTEBOOKS / "teachers" / "exercises.md").read_text(encoding="utf-8")
     table = re.findall(r"^\| \[\d\d\]\(\.\./(.*?)\) \| ([\d.]+) \|(?:[^|]+\|){2} \d+ \|$", answers, re.M)
     expected = []
@@ -285,6 +286,24 @@ def test_the_robust_follower_passes_as_often_as_its_notebook_says():
     assert said is not None
     (exercise,) = (each for each in EXERCISES if each.notebook == path)
     assert _runs_passed(exercise.text) == (int(said[1]), 50)
+
+
+def test_the_rooms_of_the_last_exercises_show_what_is_to_be_repaired():
+    cells = sources(read(NOTEBOOKS / "exercises" / "16-testing-your-own-program.ipynb"), "code")
+    names: dict[str, Any] = {}
+    exec(next(cell for cell in cells if "def room" in cell), names)
+    own = SimpleNamespace(**names)
+    stops = (own.touches_nothing(), own.ends_in("right place"), own.ends_still(2))
+
+    def passed(number: str, worlds: list[Any], *criteria: Any, **more: Any) -> list[bool]:
+        tests = own.tests(worlds, criteria, **more)
+        return [attempt(job).passed for job in jobs_of(challenge(f"exercise {number}").starter, tests)[1]]
+
+    room, backs_off = own.room, (own.touches("edge"), own.ends_in("between the walls"))
+    assert passed("16.1", [room(1), room(0.5), room(0.2, 0.1)], *backs_off) == [True, True, False]
+    assert passed("16.2", [room(1.2)], *stops, seeds=[0, 4, 6, 7], dropout=0.06) == [True, *[False] * 3]
+    rooms = [room(2, line=1), room(2, line=1, grey=90), room(2), room(1.2, line=1)]
+    assert passed("16.3", rooms, *stops) == [True, False, False, True]
 
 
 # -- six broken robots ---------------------------------------------------------------------------------

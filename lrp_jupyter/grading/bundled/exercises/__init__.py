@@ -2,6 +2,7 @@
 
 from lrp_jupyter.grading.bundled.exercises import (
     asking_why,
+    exact_ways,
     find_the_bug,
     first_edits,
     from_everywhere,
@@ -10,6 +11,8 @@ from lrp_jupyter.grading.bundled.exercises import (
     looking_back,
     machine_reuse,
     machines_inside_states,
+    own_tests,
+    proportional_control,
     robust_numbers,
     side_by_side,
     states_and_events,
@@ -35,5 +38,8 @@ EXERCISES = (
     *side_by_side.EXERCISES,
     *live_safety.EXERCISES,
     *machine_reuse.EXERCISES,
+    *exact_ways.EXERCISES,
+    *proportional_control.EXERCISES,
+    *own_tests.EXERCISES,
     *find_the_bug.BUGS,
 )

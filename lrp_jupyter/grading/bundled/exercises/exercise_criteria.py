@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Literal
 
 from lrp_jupyter.grading.criteria import Criterion, Found
@@ -41,3 +42,15 @@ def rests_in(zone: str, seconds: float) -> Criterion:
         return Found((stood + 0.15) / seconds, f"it stood there for {stood:.1f} s")
 
     return Criterion(f"stands still in `{zone}` for {seconds:g} s", judge, "once")
+
+
+def hardly_moves(metres: float, seconds: float) -> Criterion:
+    """Require that the robot drives less than this in the last seconds, to and fro added up."""
+
+    def judge(run: RunRecord) -> Found:
+        last = [sample for sample in run.samples[-1000:] if sample.time > run.seconds - seconds - 1e-6]
+        way = sum(now.distance(before) for before, now in pairwise(last))
+        share = 1 if run.seconds >= seconds and way < metres else 0
+        return Found(share, f"it drove {way * 100:.0f} cm in the last {seconds:g} s")
+
+    return Criterion(f"drives less than {metres * 100:g} cm in the last {seconds:g} s", judge)
