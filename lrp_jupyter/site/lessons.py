@@ -1,7 +1,7 @@
 """Lessons as pages of HTML: notebooks cut into sections, and their Markdown.
 
 A lesson is a notebook whose name begins with a number; its exercises are in the folder ``exercises``, under
-the same name. Sections begin with headings of the second level.
+the same name. Other series of exercises are there, too. Sections begin with headings of the second level.
 """
 
 from __future__ import annotations
@@ -62,8 +62,11 @@ class Lesson:
 
 
 def read_lessons(folder: Path) -> list[Lesson]:
-    """Return the lessons of a folder, each before its exercises; LRPError: one cannot be read."""
-    files = [file for place in (".", "exercises") for file in (folder / place).glob("[0-9][0-9]-*.ipynb")]
+    """Return the lessons of a folder, each before its exercises, and other series last.
+
+    Raises LRPError: one cannot be read.
+    """
+    files = [*folder.glob("[0-9][0-9]-*.ipynb"), *folder.glob("exercises/*.ipynb")]
     return [read_lesson(file, folder) for file in sorted(files, key=lambda file: (file.name, file.parts))]
 
 

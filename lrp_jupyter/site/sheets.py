@@ -6,6 +6,7 @@ table says that one will see.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shutil
@@ -39,7 +40,7 @@ _LINK = re.compile(r"\[([^\]]+)\]\([^)]*\)")
 _BLOCK = re.compile(r"^(?:```.*?^```$|(?!```)[^\n]*\S[^\n]*(?:\n[^\n]*\S[^\n]*)*)", re.MULTILINE | re.DOTALL)
 _CELL = re.compile(r"(?<!\\)\|")
 _PROGRAM = re.compile(r"^```lrp\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-_LONGEST = 20  # lines of a program that is printed
+_CASES = "<table>\n<thead>\n<tr>\n<th></th>\n"  # how a table of cases begins, each with its letter
 _BLANK_CARDS = {"state": 4, "event": 2, "transition": 4}
 
 
@@ -97,7 +98,7 @@ def worksheet(lesson: Lesson) -> str:
     ]
     able = ""
     for section in lesson.sections:
-        shown = _SECTIONS.get(section.title, _task)(section)
+        shown = _SECTIONS.get(section.title.rstrip(" 0123456789"), _task)(section)
         if section.title == "Afterwards you can":
             able = shown
         elif shown:
@@ -106,8 +107,12 @@ def worksheet(lesson: Lesson) -> str:
 
 
 def _asked(section: Section) -> str:
-    """Return the questions to be answered before anything runs, with lines."""
+    """Return the questions to be answered before anything runs, with lines, or space in a table of cases."""
     html = _markdown(section)
+    if _CASES in html:
+        head, _, cases = html.partition(_CASES)
+        cases = cases.replace("</tr>", "<td></td></tr>").replace("<td></td>", "<th>our answer</th>", 1)
+        return head + _CASES.replace("table", 'table class="cases"', 1) + cases
     if "<ol>" in html:
         return html.replace("</li>", f"{_lines(2)}</li>")
     return html + _lines(3)
@@ -150,9 +155,17 @@ def _unseen(table: str) -> str:
 
 def _task(section: Section) -> str:
     """Return a task, with its program if that is short, and space to draw and to note the result."""
-    return _markdown(section, programs=True) + (
+    return _markdown(section, longest=20) + (
         '<div class="drawing"><span>States and transitions</span></div>'
         '<p class="who"><span>Points</span><span>What did not work at first, and why</span></p>'
+    )
+
+
+def _bug(section: Section) -> str:
+    """Return a program whose mistake is to be found, and space for the way to it."""
+    return _markdown(section, longest=math.inf) + (
+        '<p class="who"><span>We asked</span></p><p class="who"><span>The answer was</span></p>'
+        '<p class="who"><span>The smallest edit that repairs it</span></p>'
     )
 
 
@@ -172,18 +185,20 @@ def _omitted(_section: Section) -> str:
 _SECTIONS: dict[str, Callable[[Section], str]] = {
     "Questions": _omitted,
     "Afterwards you can": _able,
+    "Bug": _bug,
     "Predict": _asked,
     "Run": _omitted,
     "Investigate": _tried,
     "Modify": _tried,
     "Key points": _told,
 }
-"""What of a section is printed; any other is a task."""
+"""What of a section is printed, by its title without a number; any other is a task."""
 
 
-def _markdown(section: Section, programs: bool = False) -> str:
+def _markdown(section: Section, longest: float = 0) -> str:
+    """Return the text of a section, and its programs that have at most so many lines."""
     return "".join(
-        html_of("\n\n".join(_blocks(part))) if isinstance(part, str) else _program(part) if programs else ""
+        html_of("\n\n".join(_blocks(part))) if isinstance(part, str) else _program(part, longest)
         for part in section.parts
     )
 
@@ -196,9 +211,9 @@ def _blocks(markdown: str) -> Iterator[str]:
             yield found[0].rstrip()
 
 
-def _program(code: CodeCell) -> str:
+def _program(code: CodeCell, longest: float) -> str:
     program = (code.program or "").strip()
-    if not program or program.count("\n") >= _LONGEST:
+    if not program or program.count("\n") >= longest:
         return ""
     return f"<pre><code>{escape(program)}</code></pre>"
 

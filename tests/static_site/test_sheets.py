@@ -64,6 +64,24 @@ def test_a_worksheet_has_all_that_is_done_and_nothing_that_is_seen(lesson):
     assert "http" not in sheet, "it needs nothing from elsewhere"
 
 
+def test_a_sheet_of_bugs_has_each_program_and_space_for_how_it_was_found():
+    programs = [
+        part.program for each in LESSONS[-1].sections for part in each.parts if isinstance(part, CodeCell)
+    ]
+    sheet = worksheet(LESSONS[-1])
+    assert len(programs) == sheet.count("We asked") == sheet.count("The smallest edit") == 8
+    assert all(escape(program.strip()) in sheet for program in programs)
+
+
+def test_a_table_of_cases_has_space_for_an_answer_to_each():
+    found = {}
+    for lesson in LESSONS:
+        for table in re.findall(r'<table class="cases">.*?</table>', worksheet(lesson), re.DOTALL):
+            assert table.count("<th>our answer</th>") == 1
+            found[lesson.page[:2]] = table.count("<td></td></tr>")
+    assert found == {"08": 6, "16": 4}
+
+
 def test_the_command_writes_a_page_for_each_lesson_and_the_cards(tmp_path):
     result = CliRunner().invoke(app, ["sheets", str(tmp_path / "sheets")])
     assert result.exit_code == 0, result.output
