@@ -23,6 +23,8 @@ _ASKED = says(
     " and let `robot.odom` and `robot.gyro` decide.",
     lambda run: _TASKS.missing(run),
 )
+_ROUND = visits("corner 1", "corner 2", "corner 3", "home")
+_IN_CORRIDOR = stays_in("corridor")
 _WAY = World(
     name="way",
     size=(3.2, 1),
@@ -54,6 +56,12 @@ def _ignores(sensor: str, advice: str) -> Hint:
 def _turned(run: RunRecord) -> float:
     """Return the degrees by which the robot has turned to the left in the end."""
     return math.degrees(run.samples[-1].heading - run.samples[0].heading)
+
+
+def _steers_weakly(run: RunRecord) -> bool:
+    """Whether the robot left the corridor, but hardly turned off."""
+    reads = "robot.gyro" in run.programs[-1].text
+    return reads and abs(_turned(run)) <= 20 and _IN_CORRIDOR.missing(run) is not None
 
 
 EXERCISES = (
@@ -90,7 +98,7 @@ EXERCISES = (
         " allowed.",
         (_corridor("to the left", 0.985, 1.015), _corridor("to the right", 1.015, 0.985)),
         _TASKS,
-        stays_in("corridor"),
+        _IN_CORRIDOR,
         ends_in("there"),
         ends_still(2),
         seconds=30,
@@ -111,7 +119,7 @@ EXERCISES = (
             says(
                 "The robot left the corridor, although it steers. A number before the bracket makes it steer"
                 " more strongly.",
-                lambda run: stays_in("corridor").missing(run),
+                _steers_weakly,
             ),
         ),
     ),
@@ -153,7 +161,7 @@ EXERCISES = (
         " are not allowed.",
         polygon(4, 0.8, 0.15),
         _TASKS,
-        visits("corner 1", "corner 2", "corner 3", "home"),
+        _ROUND,
         ends_in("home"),
         ends_still(2),
         seconds=90,
@@ -171,7 +179,7 @@ EXERCISES = (
             says(
                 "The robot missed a corner. By how much do `robot.odom.x` and `.y` change on each side, and"
                 " in which direction should the robot face there?",
-                lambda run: True,
+                _ROUND.missing,
             ),
         ),
     ),

@@ -21,7 +21,11 @@ _FAR = 3.2 - THICK  # m, where the wall of a lane is
 _HAD_FAILED = says(
     "The robot touched the wall. Shortly before, its sensor had failed: it read `inf`, as if nothing were"
     " there. How far does the robot drive in the second for which that lasts?",
-    lambda run: run.touch() and any(math.isinf(sample.distances[0]) for sample in run.samples[-15:]),
+    lambda run: (
+        run.touch()
+        and "robot.distance" in run.programs[-1].text
+        and any(math.isinf(sample.distances[0]) for sample in run.samples[-15:])
+    ),
 )
 
 
@@ -123,9 +127,8 @@ EXERCISES = (
         hints=(
             _regression("black line", "line near the wall"),
             says(
-                "The robot drove over the grey line, or stopped before it. White reads 255, and this grey"
-                " reads 90.",
-                lambda run: run.world.name == "grey line",
+                "The robot drove over the grey line. White reads 255, and this grey reads 90.",
+                lambda run: run.world.name == "grey line" and run.samples[-1].x > 1.45,
             ),
             says(
                 "The robot touched the wall of a lane that has no line. What else can tell it to stop?",

@@ -19,14 +19,18 @@ __all__ = ["EXERCISES"]
 _NOISE = {"motor": 0.02, "distance": 0.003}
 _STARTS = moves("robot", x=0.05, y=0.2)
 _PLACE = "50 cm before the wall"
+_IN_CORRIDOR = stays_in("corridor")
+_IN_LANE = avoids("left of the lane"), avoids("right of the lane")
+_LAST = "In the last three seconds the robot must drive less than 5 cm, to and fro added up."
 _AT_REST = hardly_moves(0.05, 3)
 
 
 def _place(ahead: float, behind: float, slack: float) -> World:
     """Return a hall in which the robot should be 50 cm before the wall, to within `slack` metres."""
-    world = hall(ahead, behind, distance=0.5)
-    x, y, _, height = world.zones["before the wall"].box
-    return replace(world, zones={_PLACE: BoxZone((x, y, 2 * slack, height))})
+    world = hall(ahead, behind)
+    width, height = world.size
+    place = BoxZone((width - THICK - RADIUS - 0.5, height / 2, 2 * slack, height))
+    return replace(world, zones={_PLACE: place})
 
 
 def _corridor(name: str, left: float, right: float) -> World:
@@ -73,8 +77,7 @@ def _is_restless(run: RunRecord) -> bool:
 EXERCISES = (
     exercise(
         "15.1",
-        "Drive to 50 cm before the wall, forward or backward, and stay there: to within 5 cm, and by less"
-        " than 5 cm to and fro in three seconds.",
+        f"Drive to 50 cm before the wall, forward or backward, and stay there, to within 5 cm. {_LAST}",
         (_place(1.4, 0.5, 0.05), _place(0.8, 0.5, 0.05), _place(0.2, 0.8, 0.05)),
         touches_nothing(),
         ends_in(_PLACE),
@@ -95,14 +98,13 @@ EXERCISES = (
             ),
             says(
                 "The robot is not 50 cm before the wall. The speed has to be the gain times the error.",
-                lambda run: ends_in(_PLACE).missing(run),
+                ends_in(_PLACE).missing,
             ),
         ),
     ),
     exercise(
         "15.2",
-        "Drive to 50 cm before the wall, and stay there: to within 3 cm, and by less than 5 cm to and fro in"
-        " three seconds.",
+        f"Drive to 50 cm before the wall, and stay there, to within 3 cm. {_LAST}",
         (_place(1.4, 0.5, 0.03), _place(1.1, 0.5, 0.03), _place(0.2, 0.8, 0.03)),
         touches_nothing(),
         ends_in(_PLACE),
@@ -123,11 +125,11 @@ EXERCISES = (
     ),
     exercise(
         "15.3",
-        "Drive along the corridor to 40 cm before the wall, although the wheels are uneven, and stay there:"
-        " to within 5 cm, and by less than 5 cm to and fro in three seconds. The middle of the robot must"
-        " never be further than 10 cm from the middle of the corridor.",
+        "Drive along the corridor to 40 cm before the wall, although the wheels are uneven, and stay there,"
+        f" to within 5 cm. {_LAST} The middle of the robot must never be further than 10 cm from the middle"
+        " of the corridor.",
         (_corridor("to the left", 0.98, 1.02), _corridor("to the right", 1.02, 0.98)),
-        stays_in("corridor"),
+        _IN_CORRIDOR,
         touches_nothing(),
         ends_in("40 cm before the wall"),
         _AT_REST,
@@ -144,12 +146,12 @@ EXERCISES = (
             ),
             says(
                 "The robot left the corridor. It has to steer against its error, and strongly enough.",
-                lambda run: stays_in("corridor").missing(run),
+                _IN_CORRIDOR.missing,
             ),
             says(
                 "The robot did not stay 40 cm before the wall: how large is the error of the distance there,"
                 " and how large the speed?",
-                lambda run: True,
+                lambda run: not _IN_CORRIDOR.missing(run),
             ),
         ),
     ),
@@ -158,8 +160,7 @@ EXERCISES = (
         "A lane, 12 cm wide, runs 40 cm to the left of the robot. Get into it within 1.5 m, drive along it,"
         " and stop after 3 m. The middle of the robot must not leave the lane again.",
         (_lane("to the left", 0.99, 1.01), _lane("to the right", 1.01, 0.99)),
-        avoids("left of the lane"),
-        avoids("right of the lane"),
+        *_IN_LANE,
         ends_in("end of the lane"),
         ends_still(2),
         seconds=60,
@@ -176,7 +177,7 @@ EXERCISES = (
             says(
                 "The robot was not in the lane. How large is its course in the middle of the lane, and how"
                 " large 40 cm beside it?",
-                lambda run: True,
+                lambda run: any(each.missing(run) for each in _IN_LANE),
             ),
         ),
     ),
