@@ -76,9 +76,9 @@ def test_the_exercises_have_four_numbers_in_each_lesson_and_the_bugs_are_counted
 )
 def test_what_a_hint_calls_broken_had_passed(name, worlds):
     task = next(each for each in EXERCISES if each.name == name)
-    jobs = jobs_of(task.beginning, task)[1]
+    jobs = jobs_of(task.beginning, task, 1)[1]
     assert {job.world_name for job in jobs if attempt(job).passed} == worlds
-    broken = map(attempt, jobs_of(task.beginning.replace("driving ->", "stopped ->"), task)[1])
+    broken = map(attempt, jobs_of(task.beginning.replace("driving ->", "stopped ->"), task, 1)[1])
     assert {
         made.world for made in broken if any("an edit has broken it" in hint for hint in made.hints)
     } == worlds
