@@ -46,7 +46,9 @@ def test_a_solution_passes_in_a_world(answer):
 @pytest.mark.slow
 @pytest.mark.parametrize("answer", answers("solution", 9, 9))
 def test_a_solution_does_not_pass_by_luck(answer):
-    result = grade(answer.text, answer.challenge, None if answer.challenge == "robust follower" else 4)
+    result = grade(
+        answer.text, answer.challenge, range(1000, 1005) if answer.challenge == "robust follower" else 2
+    )
     assert result.passed, str(result)
     assert result.points == result.out_of
 
