@@ -6,9 +6,9 @@ import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeGuard, TypeVar
 
-from lrp_jupyter.bridges.guarding.safety import Notice
+from lrp_jupyter.bridges.guarding.safety import CommandRecord, Notice
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.bridges.wheel_tasks import ERRANDS
 from lrp_jupyter.errors import Finding
@@ -19,6 +19,7 @@ from lrp_jupyter.live.running.frame import is_active
 from lrp_jupyter.sim.world import World, middle_of
 
 _STILL = 0.002  # m; a robot at rest may drift this far in one period
+_MOVING = {"move", *ERRANDS.values()}
 _T = TypeVar("_T")
 
 
@@ -34,6 +35,8 @@ class Sample(NamedTuple):
     `lamp`: whether the lamp is lit.
     `version`: of the program that ran: how many edits there were before that changed what it says.
     `task`: the name of the one for which the robot drives, such as ``"drive_by"``; may be empty.
+    `movers`: the machines, as spawned, that have told it to move in this tick.
+    `numbers`: the variables that are numbers or truth values, by name.
     """
 
     time: float
@@ -50,6 +53,8 @@ class Sample(NamedTuple):
     lamp: bool
     version: int
     task: str = ""
+    movers: frozenset[Path] = frozenset()
+    numbers: tuple[tuple[str, float], ...] = ()
 
     def distance(self, other: Sample) -> float:
         """Return the distance between the robot in two samples, in metres."""
@@ -124,6 +129,8 @@ class RunRecord:
                 robot.memory.lamp,
                 len(self.programs) - 1,
                 "" if robot.memory.errand is None else ERRANDS[type(robot.memory.errand.what)],
+                frozenset(map(_mover, filter(_moves, bridge.safety.given_in(interpreter.tick)))),
+                tuple((path[-1], value) for path, value in interpreter.variables.pairs() if _is_number(value)),
             )
         )
         self.issues = tuple(issue for issue in interpreter.issues if not issue.resolved)
@@ -219,6 +226,18 @@ class RunRecord:
     def touch(self, solid: str = "") -> Sample | None:
         """Return the first sample at which a solid was touched; without a name, anything."""
         return self.first(lambda now: solid in now.touched if solid else now.touched)
+
+
+def _moves(command: CommandRecord) -> bool:
+    return command.name in _MOVING and any(command.arguments.values())
+
+
+def _mover(command: CommandRecord) -> Path:
+    return command.origin.machine
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float))
 
 
 def at_start(world: World) -> RunRecord:

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import chain, takewhile
 from typing import Any, Literal, NamedTuple
 
 from lrp_jupyter.bridges.argument_values import are_same
@@ -66,12 +67,13 @@ def patience(period: float) -> float:
 class Origin(NamedTuple):
     """Where a command came from: the tick, and the block of the program with its line (from 1).
 
-    A command that was given by hand has no block.
+    A command that was given by hand has no block. `machine` is the one whose state acted, as spawned.
     """
 
     tick: int = 0
     block: str = ""
     line: int = 0
+    machine: tuple[str, ...] = ()
 
 
 BY_HAND = Origin()
@@ -215,6 +217,13 @@ class Safety:
         with self._log_lock:
             kept = [notice for notice in self._notices if notice.kind not in kinds]
             self._notices = deque(kept, maxlen=_NOTICES)
+
+    def given_in(self, tick: int) -> list[CommandRecord]:
+        """Return the commands that a tick has given, or given again, the last one first; none if one is later."""
+        with self._log_lock:
+            last = () if self._last is None else (self._last,)
+            latest = chain(last, reversed(self._commands))
+            return list(takewhile(lambda command: command.origin.tick == tick, latest))
 
     def record(self, command: CommandRecord) -> None:
         """Log a command."""

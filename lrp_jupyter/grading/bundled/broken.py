@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import Criterion, Found, bumps, drives, enters, never_pushes
+from lrp_jupyter.grading.criteria import Criterion, Found, backs_off_at_bumps, bumps, drives, enters
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.language.checks.uses import uses_of
@@ -23,6 +23,21 @@ def _enters_at(state: str, seconds: float, slack: float = 0.25) -> Criterion:
         return Found(is_then, f"entered after {found.time:.1f} s")
 
     return Criterion(f"enters `{state}` after {seconds:g} s", judge, "always", needs_motion=False)
+
+
+def _enters_with(state: str, name: str, number: float) -> Criterion:
+    """Require that a variable had this number, to within 1, when a state was entered first."""
+
+    def judge(run: RunRecord) -> Found:
+        entered = run.entered(state)
+        before = run.last(lambda sample: entered is not None and sample.time < entered.time)
+        if before is None:
+            return Found(0, "entered at once" if entered else "never entered")
+        value = dict(before.numbers).get(name)
+        told = "not a number" if value is None else f"{value:g}"
+        return Found(value is not None and abs(value - number) < 1, f"`{name}` was {told}")
+
+    return Criterion(f"enters `{state}` when `{name}` is {number:g}", judge, needs_motion=False)
 
 
 def _never_enters(state: str) -> Criterion:
@@ -88,7 +103,7 @@ BROKEN_ROBOTS = (
         enters("driving", "backing"),
         _only_by("tback", "robot.bumper"),
         bumps(1),
-        never_pushes(0.5),
+        backs_off_at_bumps(0.3),
     ),
     _robot(
         2,
@@ -103,6 +118,7 @@ BROKEN_ROBOTS = (
         _ask("talarm"),
         enters("sinking", "alarm"),
         _only_by("talarm", "level"),
+        _enters_with("alarm", "level", 2),
         _never_enters("saving"),
     ),
     _robot(
@@ -123,5 +139,6 @@ BROKEN_ROBOTS = (
         _ask("tdone"),
         enters("counting", "done"),
         _only_by("tdone", "laps"),
+        _enters_with("done", "laps", 3),
     ),
 )

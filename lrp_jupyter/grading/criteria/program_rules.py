@@ -10,7 +10,7 @@ from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.criteria.order import in_order, reason_of
 from lrp_jupyter.grading.run_record import RunRecord, Sample
 from lrp_jupyter.language.checks.uses import uses_of
-from lrp_jupyter.language.program import Block, Path
+from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.running.frame import is_active
 
@@ -88,21 +88,16 @@ def reused(machine: str, states: int = 2) -> Criterion:
 
 
 def moves_only_in(machine: str) -> Criterion:
-    """Require that no other machine of the program moves the robot."""
+    """Require that no other machine moves the robot, by whatever name it reaches it."""
 
     def judge(run: RunRecord) -> Found:
-        for path, each in run.programs[-1].walk() if run.programs else ():
-            for state in each.states if machine not in path else ():
-                actions = (*state.onentry, *state.running, *state.onexit)
-                blocks = [action.text for action in actions if isinstance(action, Block)]
-                if any(_MOVING & set(use.names) for text in blocks for use in uses_of("robot", text)):
-                    return Found(0, f"`{state.name}` of `{path[-1]}` moves it")
-        return Found(1, "no other machine moves it")
+        other = run.fold(_first_mover, None, ("other movers than", machine))
+        return Found(other is None, f"`{other}` moved it" if other else "no other machine moved it")
+
+    def _first_mover(found: str | None, now: Sample, _: Sample) -> str | None:
+        return found or next((path[-1] for path in sorted(now.movers) if path and machine not in path), None)
 
     return Criterion(f"is moved by `{machine}` only", judge, needs_motion=False)
-
-
-_MOVING = {"move", "drive_by", "drive_to", "turn_by"}
 
 
 def without(*members: str) -> Criterion:

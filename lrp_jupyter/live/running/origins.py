@@ -20,7 +20,7 @@ def origin_of(interpreter: Interpreter) -> Origin:
         block = block.f_back
     if block is None:
         return Origin(interpreter.tick)
-    return Origin(interpreter.tick, block.f_code.co_name, block.f_lineno)
+    return Origin(interpreter.tick, block.f_code.co_name, block.f_lineno, interpreter.acting[0])
 
 
 def asker_of(interpreter: Interpreter) -> Asker:
