@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from lrp_jupyter.grading.bundled.squares import CORNERS, ELSEWHERE, square
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
-from lrp_jupyter.grading.criteria import ends_in, ends_still, keeps_to, visits
+from lrp_jupyter.grading.criteria import backs_off_at_bumps, ends_in, ends_still, keeps_to, visits
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import CircleZone, DiscSolid, RobotSpec, World
@@ -31,6 +31,7 @@ def _tables(blocked: int) -> World:
 _CORNERS = visits(*CORNERS)
 _SIDES = keeps_to(0.06, "home", *CORNERS)
 _ROUND = visits("first", "second", "home")
+_GIVES_UP = backs_off_at_bumps(5)
 
 
 def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
@@ -58,18 +59,20 @@ def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
 
 
 def _served_no_tables(run: RunRecord) -> Iterator[str]:
-    reason, met = _ROUND.missing(run), run.touch("barrel")
-    if met is not None and run.stood > 5 and run.still_since - met.time < 4:
+    reason, met, wrong = _ROUND.missing(run), run.touch("barrel"), _GIVES_UP.missing(run)
+    if wrong and wrong.endswith("had not bumped"):
+        yield f"The robot backed off where no barrel stood: {wrong}. Let only a drive that fails lead there."
+    elif met and wrong and run.stood > 1:
         yield (
             f"The robot met the barrel after {met.time:.1f} s, gave up, and stayed there. In `driving`,"
             " `robot.drive_to.failed` is true then: let a transition lead out."
         )
-    if met is not None and len({round(sample.time / 3) for sample in run.touches("barrel")}) > 2:
+    elif met and wrong:
         yield (
-            "The robot met the barrel again and again. It still touches it when it has given up: back off"
-            " first, with `robot.drive_by(-0.2)`."
+            f"The robot met the barrel after {met.time:.1f} s and did not get away from it. It still touches"
+            " it when it has given up: back off first, with `robot.drive_by(-0.2)`."
         )
-    if reason:
+    elif reason:
         yield f"The robot drove {run.driven:.2f} m, but has not been everywhere: {reason}."
 
 
@@ -90,9 +93,9 @@ EXACT_SQUARE = Challenge(
 THREE_TABLES = Challenge(
     "three tables",
     "Drive to the three tables, one after the other, and home. A barrel stands in place of one of them, a"
-    " different one in each world: the robot has to give up there, back off, and drive on.",
+    " different one in each world: there, and only there, the robot has to give up, back off, and drive on.",
     tuple(_tables(blocked) for blocked in range(3)),
-    (_ROUND, ends_in("home"), ends_still(1)),
+    (_GIVES_UP, _ROUND, ends_in("home"), ends_still(1)),
     180,
     (_served_no_tables,),
     noise={"motor": 0.02},

@@ -20,6 +20,7 @@ from lrp_jupyter.grading.criteria import (
     stops_at,
     touches,
     turns,
+    turns_at_bumps,
 )
 from lrp_jupyter.grading.criteria.contact import longest_push
 from lrp_jupyter.grading.criteria.motion import backed
@@ -83,6 +84,15 @@ def _backed_off_without_a_bump(run: RunRecord) -> Iterator[str]:
         )
 
 
+def _drove_on_without_a_turn(run: RunRecord) -> Iterator[str]:
+    reason = _TURNS.missing(run)
+    if reason:
+        yield (
+            f"The robot does not turn before it drives on: {reason}. Between the state that backs off and the"
+            " one that drives, there has to be one that turns: `robot.move(angular=1)`."
+        )
+
+
 def _lit_wrongly(run: RunRecord) -> Iterator[str]:
     lit, backs = run.first(lambda sample: sample.lamp), run.first(_drives_backward)
     if lit is None:
@@ -123,6 +133,7 @@ def _stayed_in_a_state(run: RunRecord) -> Iterator[str]:
 
 _ANYWHERE = moves("robot", x=0.2, y=0.2, degrees=180)
 _ANSWERS = backs_off_at_bumps(1)
+_TURNS = turns_at_bumps(20)
 
 BUMP_AND_STAY = Challenge(
     "bump and stay",
@@ -142,9 +153,9 @@ BUMP_AND_TURN = Challenge(
     "Drive about in the room: at each bump back off, turn, and drive on. Bump into three different walls, and"
     " never push against one for longer than a second.",
     ROOMS,
-    (_ANSWERS, backs_off(2), bumps(3, walls=3), never_pushes(1)),
+    (_ANSWERS, _TURNS, backs_off(2), bumps(3, walls=3), never_pushes(1)),
     120,
-    (_backed_off_without_a_bump, _did_not_turn),
+    (_backed_off_without_a_bump, _drove_on_without_a_turn, _did_not_turn),
     noise={"motor": 0.02},
     seeds=3,
     vary=(_ANYWHERE,),

@@ -9,6 +9,8 @@ from lrp_jupyter.grading.bundled.common_hints import restarted_or_not_edited
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import (
+    Criterion,
+    Found,
     drives_differently,
     drives_on,
     edited,
@@ -40,6 +42,22 @@ def _sees_nothing(sample: Sample) -> bool:
     return sample.distances[0] == float("inf")
 
 
+def _not_blindly(metres: float) -> Criterion:
+    """Require that the robot drives no further than this while its sensor sees nothing, after the edit."""
+
+    def judge(run: RunRecord) -> Found:
+        def step(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
+            """Keep the longest way without sight, and this one."""
+            longest, way = so_far
+            way = way + now.distance(before) if before.version and _sees_nothing(before) else 0.0
+            return max(longest, way), way
+
+        longest, _ = run.fold(step, (0.0, 0.0), "drives blindly")
+        return Found(longest <= metres, f"it drove {longest * 100:.0f} cm")
+
+    return Criterion(f"drives {metres * 100:g} cm at most while it sees nothing", judge, "always")
+
+
 def _begins_to_turn(before: Sample, now: Sample) -> bool:
     return now.command[1] != 0 and now.command[0] == 0 and before.command[0] > 0
 
@@ -52,20 +70,20 @@ def _was_unsafe(run: RunRecord) -> Iterator[str]:
             f"After {blind.time:.1f} s the sensor saw nothing, and the robot began to turn as if a wall were"
             " near. It has to stand still until the sensor sees again, and then go on with what it was doing."
         )
-    if touched := run.touch():
-        last = (each for each in run.samples if touched.time - 1.5 < each.time <= touched.time)
-        if blind := next((each for each in last if _sees_nothing(each) and any(each.command)), None):
-            yield (
-                f"After {blind.time:.1f} s the sensor saw nothing, the robot drove on, and touched the"
-                f" {min(touched.touched)}. In this hall there is always a wall ahead: when"
-                " `robot.distance.data` is `inf`, the sensor has failed, and the robot has to stand still"
-                " until it sees again."
-            )
-        else:
-            yield (
-                f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor had"
-                " not failed. Turn when it is still further away."
-            )
+    touched, far = run.touch(), _NOT_BLINDLY.missing(run)
+    last = (each for each in run.samples if each.time > run.seconds - 1.5)
+    blind = next((each for each in last if _sees_nothing(each) and any(each.command)), None)
+    if blind and (touched or far):
+        yield (
+            f"After {blind.time:.1f} s the sensor saw nothing, and the robot drove on. In this hall there is"
+            " always a wall ahead: when `robot.distance.data` is `inf`, the sensor has failed, and the robot"
+            " has to stand still until it sees again."
+        )
+    elif touched:
+        yield (
+            f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor had"
+            " not failed. Turn when it is still further away."
+        )
     if run.stood >= 5:
         yield (
             f"The robot stopped after {run.still_since:.1f} s and stayed there. When the sensor sees again, a"
@@ -86,13 +104,15 @@ def _drove_on_little(run: RunRecord) -> Iterator[str]:
 
 _DRIVES_ON = drives_on(0.5)
 
+_NOT_BLINDLY = _not_blindly(0.35)
+
 SAFE_EDITS = Challenge(
     "safe edits",
     "The robot patrols between two walls, and its distance sensor fails now and then: for a second, it reads"
     " `inf`. Change the program while it runs, without a restart, so that the robot goes on with its patrol,"
-    " four times to each wall, and touches neither.",
+    " four times to each wall, touches neither, and never drives further than 35 cm while it sees nothing.",
     (_hall(),),
-    (edited(), visits(*("east", "west") * 4), touches_nothing(), never_restarts()),
+    (edited(), _NOT_BLINDLY, visits(*("east", "west") * 4), touches_nothing(), never_restarts()),
     150,
     (_was_unsafe,),
     noise={"motor": 0.003, "dropout": 0.08},

@@ -14,6 +14,7 @@ from lrp_jupyter.grading.criteria.contact import (
     stops_at,
     touches,
     touches_nothing,
+    turns_at_bumps,
 )
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found, State, Verdict, When
 from lrp_jupyter.grading.criteria.lamp import blinks, lit_while
@@ -105,6 +106,7 @@ __all__ = [
     "touches",
     "touches_nothing",
     "turns",
+    "turns_at_bumps",
     "visits",
     "within",
     "without",

@@ -153,6 +153,32 @@ def backs_off_at_bumps(seconds: float) -> Criterion:
     return Criterion(f"backs off within {seconds:g} s of each bump, and only then", judge, "always")
 
 
+def turns_at_bumps(degrees: float) -> Criterion:
+    """Require that the robot turns by at least this much after each bump, before it drives forward again."""
+
+    def judge(run: RunRecord) -> Found:
+        def step(
+            so_far: tuple[float | None, float, str], now: Sample, before: Sample
+        ) -> tuple[float | None, float, str]:
+            """Keep when it bumped, if it has not driven on, its heading then, and what is wrong."""
+            bumped, heading, wrong = so_far
+            if now.bumper and before.command[0] > 0 and bumped is None:
+                return now.time, now.heading, wrong
+            if bumped is not None and before.command[0] <= 0 < now.command[0]:
+                turned = abs(math.degrees(now.heading - heading))
+                if turned < degrees:
+                    wrong = wrong or f"it bumped after {bumped:.1f} s, and drove on after turning {turned:.0f}°"
+                bumped = None
+            return bumped, heading, wrong
+
+        nothing: tuple[float | None, float, str] = (None, 0.0, "")
+        _, _, wrong = run.fold(step, nothing, ("turns at bumps", degrees))
+        return Found(not wrong, wrong or "it did so each time")
+
+    sentence = f"turns by at least {degrees:g}° after each bump, and then drives on"
+    return Criterion(sentence, judge, "always")
+
+
 _NEVER = -1e9  # s
 
 
