@@ -130,7 +130,9 @@ class RunRecord:
                 len(self.programs) - 1,
                 "" if robot.memory.errand is None else ERRANDS[type(robot.memory.errand.what)],
                 frozenset(map(_mover, filter(_moves, bridge.safety.given_in(interpreter.tick)))),
-                tuple((path[-1], value) for path, value in interpreter.variables.pairs() if _is_number(value)),
+                tuple(
+                    (path[-1], value) for path, value in interpreter.variables.pairs() if _is_number(value)
+                ),
             )
         )
         self.issues = tuple(issue for issue in interpreter.issues if not issue.resolved)

@@ -141,7 +141,7 @@ def test_a_limit_is_said_once_for_each_line_whatever_is_asked_for(cart: Any) -> 
     assert (first.text, first.count, first.first) == (
         "`move`: linear 2 limited to 0.5.",
         3,
-        (7, "going.running", 3),
+        (7, "going.running", 3, ()),
     )
     assert (second.text, second.count, second.first.line) == ("`move`: linear 2 limited to 0.5.", 1, 5)
     cart.safety.forget_notices("limited")

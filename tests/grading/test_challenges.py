@@ -96,9 +96,9 @@ def test_a_challenge_is_run_three_times_at_least_and_can_be_judged_in_each_world
 
 
 @every("each", BUNDLED)
-def test_a_challenge_has_a_solution_two_cheats_and_three_wrong_answers(each):
+def test_a_challenge_has_three_solutions_two_cheats_and_three_wrong_answers(each):
     kinds = Counter(answer.kind for answer in ANSWERS if answer.challenge == each.name)
-    assert kinds["solution"] >= 1
+    assert kinds["solution"] >= 3
     assert kinds["cheat"] >= 2
     assert kinds["wrong"] >= 3
 

@@ -32,6 +32,7 @@ from lrp_jupyter.grading.criteria import (
     stays_near,
     stops_at,
     stops_once,
+    turns_at_bumps,
     visits,
     within,
     without,
@@ -134,6 +135,15 @@ TABLE = [
         0,
         "after 2.0 s",
     ),
+    (
+        turns_at_bumps(20),
+        run(
+            6, v=_bouncing, w=lambda t: 1 if 2.5 <= t < 3 else 0, touched=touching((2, 2.2)), bumper=_pressed
+        ),
+        1,
+        "each time",
+    ),
+    (turns_at_bumps(20), run(6, v=_bouncing, touched=touching((2, 2.2)), bumper=_pressed), 0, "turning 0°"),
     (backs_off_at_bumps(1), run(6, v=_bouncing), 0, "after 2.5 s, and had not bumped"),
     (bumps_in("a", "b"), run(2, bumper=lambda t: t > 1, active=(("m", "a"),)), 0.5, "never bumped in `b`"),
     (

@@ -5,6 +5,7 @@ from support.tables import every
 
 from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.criteria import blinks, drives, enters
 from lrp_jupyter.grading.grade import grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
@@ -243,3 +244,32 @@ def test_of_a_line_that_a_follower_never_saw_the_hint_says_so():
         " (spawn m black)"
     )
     assert "never saw the line" in grade(text, "follow the line", [2]).hint
+
+
+CUT_SHORT = {  # what ended the run is told, and not what it has therefore not done
+    "half the speed": ("linear=speed", "linear=0.1", "not at half"),
+    "edit it live": ("linear=forward", "linear=0.1", "The edit has stopped"),
+}
+
+
+@every(("name", "row"), CUT_SHORT.items())
+def test_of_a_program_that_restarted_nothing_else_is_told(name, row):
+    old, new, words = row
+    task = challenge(name)
+    found = hints(task.starter.replace(old, new), name)
+    assert "The program restarted" in found
+    assert words not in found
+
+
+def test_of_a_square_that_the_lamp_has_ended_no_missing_corner_is_told():
+    found = hints(SQUARE + "(machine lamp (state dark)) (spawn lamp dark)", "lamp and legs")
+    assert "never switched" in found
+    assert "missed the square" not in found
+
+
+def test_of_a_sensor_that_failed_before_a_near_wall_the_hint_says_so():
+    text = DRIVE.replace("0.2", "min(0.3, robot.distance.data - 0.25)")
+    _, jobs = jobs_of(text, "stop before the wall")
+    near = [made for job in jobs if job.world_name == "near wall" and not (made := attempt(job)).passed]
+    assert near
+    assert all("its sensor had failed" in made.hint for made in near)

@@ -219,7 +219,10 @@ class Safety:
             self._notices = deque(kept, maxlen=_NOTICES)
 
     def given_in(self, tick: int) -> list[CommandRecord]:
-        """Return the commands that a tick has given, or given again, the last one first; none if one is later."""
+        """Return the commands of the last tick, the last one first; none if it has not given any.
+
+        `tick`: its number.
+        """
         with self._log_lock:
             last = () if self._last is None else (self._last,)
             latest = chain(last, reversed(self._commands))

@@ -28,7 +28,7 @@ def _stayed(run: RunRecord) -> Iterator[str]:
 
 def _other_speed(run: RunRecord) -> Iterator[str]:
     yield from restarted_or_not_edited(run)
-    if len(run.programs) < 2:
+    if len(run.programs) < 2 or run.restarts:
         return
     if run.stood > 1:
         yield f"After the edit, the robot stopped at {run.still_since:.1f} s. Change only its speed."

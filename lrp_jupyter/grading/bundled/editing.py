@@ -93,9 +93,11 @@ def _was_unsafe(run: RunRecord) -> Iterator[str]:
 
 def _drove_on_little(run: RunRecord) -> Iterator[str]:
     yield from restarted_or_not_edited(run)
-    if len(run.programs) > 1 and (reason := _DRIVES_ON.missing(run)):
+    if len(run.programs) < 2 or run.restarts:
+        return
+    if reason := _DRIVES_ON.missing(run):
         yield f"The edit has stopped the robot: {reason}. It has to drive on."
-    elif len(run.programs) > 1 and drives_differently().missing(run):
+    elif drives_differently().missing(run):
         yield (
             "The program has changed, but the robot drives as it did before. Which number makes it drive"
             " faster, which one bends its curves, and which ones say how long they are?"

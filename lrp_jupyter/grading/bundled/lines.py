@@ -112,10 +112,14 @@ def _drove_over(run: RunRecord) -> Iterator[str]:
         )
 
 
+def _did_anything(run: RunRecord) -> bool:
+    return any(any(each.command) or each.active != run.samples[0].active for each in run.samples)
+
+
 def _stopped_before(run: RunRecord) -> Iterator[str]:
-    if run.first(sees_line) or run.stood < 2:
+    if run.first(sees_line) or run.stood < 2 or not _did_anything(run):
         return
-    if run.driven < 0.01:
+    if run.still_since < 0.5:
         yield "The robot stopped at once. The line is black, and there the light sensor reads less than 128."
     else:
         yield (
@@ -163,10 +167,11 @@ def _did_not_find_it(run: RunRecord) -> Iterator[str]:
     yield from stopped_too_early(run, "when its light sensor sees the line")
     yield from _drove_over(run)
     turned, seen = run.turned.total, run.first(sees_line)
-    if not seen and turned <= 60:
+    if not seen and turned <= 60 and run.driven > 0.1:
         yield (
-            "The robot only drove straight on, and the line is not ahead of it. Drive in a curve that gets"
-            " wider and wider, or turn and drive on when the bumper meets the edge."
+            f"The robot drove {run.driven:.2f} m and turned only {turned:.0f}°, and the line is not ahead of"
+            " it. Drive in a curve that gets wider and wider, or turn and drive on when the bumper meets the"
+            " edge."
         )
     if not seen and turned >= 540:
         yield (

@@ -69,10 +69,10 @@ def _lost_its_way(run: RunRecord) -> Iterator[str]:
     turned = math.degrees(last.heading - first.heading)
     bend, _ = run.fold(_bend, (0.0, False))
     edge = run.touch("edge")
-    if turned > 500:
+    if run.turned.left > 500:
         yield (
-            f"The robot turned {turned:.0f}°. `robot.gyro.data` is in radians, and counts from the start:"
-            " `[robot.gyro.data > degrees(90)]` ends the first corner."
+            f"The robot turned {run.turned.left:.0f}°. `robot.gyro.data` is in radians, and counts from the"
+            " start: `[robot.gyro.data > degrees(90)]` ends the first corner."
         )
     elif turned < -45:
         yield (
@@ -114,9 +114,9 @@ def _bend(so_far: tuple[float, bool], now: Sample, before: Sample) -> tuple[floa
 EXACT_WAY = Challenge(
     "exact way",
     "Drive 1.2 m straight on, 60 cm to the left, and 1.2 m back, and stop there: never further than 20 cm"
-    " from the exact way, although the wheels are uneven, and faster with a full battery. The program has to"
+    " from the exact way, although the wheels are uneven, and slower with a low battery. The program has to"
     " do the measuring, with `robot.odom` and `robot.gyro`, and without tasks such as `drive_by`.",
-    (_way("exact way", 0.7), _way("exact way, with a full battery", 1.35)),  # no time fits both
+    (_way("exact way", 1.35), _way("exact way, with a low battery", 0.7)),  # no time fits both
     (_TASKS, _ROUND, _ON_ITS_WAY, ends_in("goal"), ends_still(1)),
     90,
     (_lost_its_way,),
@@ -164,18 +164,35 @@ def _did_not_keep_its_distance(run: RunRecord) -> Iterator[str]:
             f"The robot jerked: {reason}, when it was {abs(error) * 100:.0f} cm away from where it should be."
             " The gain is too large: it turns a small error into a high speed. Make it smaller."
         )
-    elif _GAP.missing(run) and error * speed < 0:
-        yield (
-            f"After {last.time:.1f} s the box was {gap * 100:.0f} cm away, and the robot drove at"
-            f" {speed:.2f} m/s: the wrong way. The error is `robot.distance.data - 0.4`: too far is positive,"
-            " and forward is too."
-        )
     elif _GAP.missing(run):
-        yield (
-            f"After {last.time:.1f} s the box was {gap * 100:.0f} cm away, and the robot drove at"
-            f" {speed:.2f} m/s only: it lags behind, because the gain is too small. With a gain of 0.5, an"
-            " error of 10 cm gives 0.05 m/s."
-        )
+        told = f"After {last.time:.1f} s the box was {gap * 100:.0f} cm away, and the robot drove at"
+        told += f" {speed:.2f} m/s"
+        if not _follows_error(run):
+            yield (
+                f"{told}. Its speed does not follow from the present error alone,"
+                " `robot.distance.data - 0.4`. What a program adds up or remembers is late, and makes the"
+                " robot swing: let the present error count for more."
+            )
+        elif error * speed < 0:
+            yield (
+                f"{told}: the wrong way. The error is `robot.distance.data - 0.4`: too far is positive, and"
+                " forward is too."
+            )
+        else:
+            yield (
+                f"{told} only: it lags behind, because the gain is too small. With a gain of 0.5, an error of"
+                " 10 cm gives 0.05 m/s."
+            )
+
+
+def _follows_error(run: RunRecord) -> bool:
+    """Return whether the speed was always the same multiple of the error that the sensor read."""
+    last = run.samples[-1]
+    off = last.distances[0] - _WANTED
+    return all(
+        abs(each.command[0] * off - last.command[0] * (each.distances[0] - _WANTED)) < 0.02 * abs(off)
+        for each in run.samples[3:]
+    )
 
 
 KEEP_YOUR_DISTANCE = Challenge(
@@ -220,8 +237,9 @@ def _stopped_elsewhere(run: RunRecord) -> Iterator[str]:
     )
     first, last, touch = run.samples[0], run.samples[-1], run.touch()
     gap = _gap_ahead(run, last)
-    blind = next((s for s in reversed(run.samples[-15:]) if math.isinf(s.distances[0]) and gap < 1), None)
-    if touch and blind and _gap_ahead(run, first) > _NEAREST:
+    lately = run.samples[-15:]
+    seeing = [each for each in lately if each.distances[0] < _NEAREST and each.command[0] > 0]
+    if touch and len(seeing) < 3 and any(math.isinf(sample.distances[0]) for sample in lately):
         yield (
             f"The robot touched the wall after {touch.time:.1f} s. Shortly before, its sensor had failed: it"
             " read `inf`, as if nothing were there. Drive slowly, or not at all, while it reads more than"

@@ -167,7 +167,9 @@ def turns_at_bumps(degrees: float) -> Criterion:
             if bumped is not None and before.command[0] <= 0 < now.command[0]:
                 turned = abs(math.degrees(now.heading - heading))
                 if turned < degrees:
-                    wrong = wrong or f"it bumped after {bumped:.1f} s, and drove on after turning {turned:.0f}°"
+                    wrong = (
+                        wrong or f"it bumped after {bumped:.1f} s, and drove on after turning {turned:.0f}°"
+                    )
                 bumped = None
             return bumped, heading, wrong
 
