@@ -230,3 +230,19 @@ def test_an_issue_of_a_machine_with_one_place_names_no_instance():
         session.step()
         assert session.issues[0].instances == ()
         assert str(session.issues[0]).endswith("division by zero")
+
+
+def test_a_command_comes_from_the_instance_whose_action_gives_it_by_whatever_name():
+    text = """
+        (machine m (state left (onentry (spawn part on (var v := [0.1])))) (state idle))
+        (machine k (state one (onentry (spawn part on (var v := [0.2])))))
+        (machine part (var v := [0]) (state on (running [r = robot; getattr(r, "move")(linear=v)])))
+        (spawn m left) (spawn k one)"""
+    with Session(text, "sim", world="empty") as session:
+        session.run(0.5)
+        safety, tick = session.bridge.safety, session.interpreter.tick
+        assert [command.origin.machine for command in safety.given_in(tick)] == [
+            ("k", "one", "part"),
+            ("m", "left", "part"),
+        ]
+        assert not safety.given_in(tick - 1)
