@@ -100,13 +100,12 @@ def _details(event: TraceEvent) -> dict[str, Any]:
                 **({"instance": path_text(data.instances[-1])} if data.instances else {}),
             }
         case "commanded":
-            _, block, row = data.origin
             return {
                 "command": data.name,
                 "arguments": plain(data.arguments),
                 "sent": data.sent,
-                "block": block,
-                "line": row,
+                "block": data.origin.block,
+                "line": data.origin.line,
             }
         case "task":
             name, state = data
