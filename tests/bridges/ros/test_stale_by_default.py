@@ -213,7 +213,8 @@ def test_an_odometry_that_rests_with_its_robot_holds_up_no_start_and_is_missed_o
         until(lambda: speeds[-1:] == ["0.3"] and (ros.describe("travelled").age or 9) < first)
         assert stale() == []
         until(lambda: limit() < 2 * first, "the rest was a pause")
+        before = len(speeds)
         os.killpg(base.pid, signal.SIGSTOP)
         until(stale)
         os.killpg(base.pid, signal.SIGCONT)
-        until(lambda: speeds[-1:] == ["0.0"])
+        until(lambda: "0.0" in speeds[before:])  # maybe not for long: what it measures comes again
