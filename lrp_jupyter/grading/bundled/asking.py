@@ -61,7 +61,10 @@ def _drove_no_exact_square(run: RunRecord) -> Iterator[str]:
 def _served_no_tables(run: RunRecord) -> Iterator[str]:
     reason, met, wrong = _ROUND.missing(run), run.touch("barrel"), _GIVES_UP.missing(run)
     if wrong and wrong.endswith("had not bumped"):
-        yield f"The robot backed off where no barrel stood: {wrong}. Let only a drive that fails lead there."
+        yield (
+            f"The robot backed off where no barrel stood: {wrong}. Only a drive that fails may lead to the"
+            " state that backs off."
+        )
     elif met and wrong and run.stood > 1:
         yield (
             f"The robot met the barrel after {met.time:.1f} s, gave up, and stayed there. In `driving`,"

@@ -164,8 +164,8 @@ BUMP_AND_TURN = Challenge(
 
 LAMP = Challenge(
     "lamp",
-    "The robot bumps, backs off and turns. Light its lamp while it drives backward, and only then; let it do"
-    " so three times.",
+    "The robot bumps, backs off and turns. Its lamp has to be lit while it drives backward, and only then."
+    " Let it back off three times.",
     ROOMS,
     (lit_while("drives backward", _drives_backward), _ANSWERS, backs_off(3), turns(90)),
     120,

@@ -63,7 +63,9 @@ def _lost_its_way(run: RunRecord) -> Iterator[str]:
         run, "odom", "A speed and a time are not a distance: let `[robot.odom.x > 1.2]` end the first side."
     )
     yield from ignores(
-        run, "gyro", "It says how far the robot has turned: `[robot.gyro.data > degrees(90)]` ends a quarter."
+        run,
+        "gyro",
+        "The gyro says how far the robot has turned: `[robot.gyro.data > degrees(90)]` ends a quarter turn.",
     )
     first, last = run.samples[0], run.samples[-1]
     turned = math.degrees(last.heading - first.heading)
@@ -81,8 +83,8 @@ def _lost_its_way(run: RunRecord) -> Iterator[str]:
         )
     elif bend > 10:
         yield (
-            f"On its first side the robot bent off by {bend:.0f}°, because its wheels are uneven. Steer"
-            " against the error while it drives: `robot.move(linear=0.2, angular=2 * (0 -"
+            f"On its first side the robot veered off course by {bend:.0f}°, because its wheels are uneven."
+            " Steer against the error while it drives: `robot.move(linear=0.2, angular=2 * (0 -"
             " robot.gyro.data))`, on each side with its own angle instead of 0."
         )
     elif edge:
@@ -105,7 +107,7 @@ def _state(sample: Sample) -> str:
 
 
 def _bend(so_far: tuple[float, bool], now: Sample, before: Sample) -> tuple[float, bool]:
-    """Keep how far the robot bends off, in degrees, as long as it is told to drive straight on."""
+    """Keep how far the robot veers off course, in degrees, as long as it is told to drive straight on."""
     bend, is_over = so_far
     is_over = is_over or bool(before.command[1]) or bool(now.command[1])
     return (bend if is_over else max(bend, abs(math.degrees(now.heading)))), is_over
@@ -114,9 +116,9 @@ def _bend(so_far: tuple[float, bool], now: Sample, before: Sample) -> tuple[floa
 EXACT_WAY = Challenge(
     "exact way",
     "Drive 1.2 m straight on, 60 cm to the left, and 1.2 m back, and stop there: never further than 20 cm"
-    " from the exact way, although the wheels are uneven, and slower with a low battery. The program has to"
+    " from the exact way, although the wheels are uneven, and slower with a weak battery. The program has to"
     " do the measuring, with `robot.odom` and `robot.gyro`, and without tasks such as `drive_by`.",
-    (_way("exact way", 1.35), _way("exact way, with a low battery", 0.7)),  # no time fits both
+    (_way("exact way", 1.35), _way("exact way, with a weak battery", 0.7)),  # no time fits both
     (_TASKS, _ROUND, _ON_ITS_WAY, ends_in("goal"), ends_still(1)),
     90,
     (_lost_its_way,),
@@ -169,9 +171,9 @@ def _did_not_keep_its_distance(run: RunRecord) -> Iterator[str]:
         told += f" {speed:.2f} m/s"
         if not _follows_error(run):
             yield (
-                f"{told}. Its speed does not follow from the present error alone,"
-                " `robot.distance.data - 0.4`. What a program adds up or remembers is late, and makes the"
-                " robot swing: let the present error count for more."
+                f"{told}. Its speed does not depend on the present error alone,"
+                " `robot.distance.data - 0.4`. What a program adds up or remembers is out of date, and makes"
+                " the robot swing: let the present error count for more."
             )
         elif error * speed < 0:
             yield (
@@ -242,8 +244,7 @@ def _stopped_elsewhere(run: RunRecord) -> Iterator[str]:
     if touch and len(seeing) < 3 and any(math.isinf(sample.distances[0]) for sample in lately):
         yield (
             f"The robot touched the wall after {touch.time:.1f} s. Shortly before, its sensor had failed: it"
-            " read `inf`, as if nothing were there. Drive slowly, or not at all, while it reads more than"
-            " 1.9."
+            " read `inf`, as if nothing were there. Drive slowly while it reads more than 1.9."
         )
     elif touch and _gap_ahead(run, first) < _NEAREST:
         yield (
@@ -280,8 +281,8 @@ def _stopped_elsewhere(run: RunRecord) -> Iterator[str]:
 
 STOP_BEFORE_THE_WALL = Challenge(
     "stop before the wall",
-    "Stop 15 to 35 cm before the wall ahead, and touch nothing: however far away the wall is, and although"
-    " the distance sensor fails now and then. For a second it reads `inf` then.",
+    "Stop 15 to 35 cm before the wall ahead, however far away it is, and touch nothing, although the distance"
+    " sensor fails now and then: for a second, it reads `inf`.",
     (
         _wall("wall ahead", 1.2),
         _wall("near wall", 0.12),

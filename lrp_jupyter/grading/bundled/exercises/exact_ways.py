@@ -109,11 +109,12 @@ EXERCISES = (
             _ASKED,
             _ignores(
                 "gyro",
-                "It bends off, and does not notice: `robot.gyro.data` says by how much it has turned.",
+                "The robot veers off course and does not notice: `robot.gyro.data` says by how much it has"
+                " turned.",
             ),
             says(
-                "The robot turned off instead of straightening up. When the gyro says more than 0, it faces"
-                " too far to the left: `angular` has to be less than 0 then.",
+                "The robot turned further off course instead of back. When the gyro says more than 0, the"
+                " robot faces too far to the left: `angular` then has to be less than 0.",
                 lambda run: abs(_turned(run)) > 20,
             ),
             says(
@@ -156,9 +157,9 @@ EXERCISES = (
     ),
     exercise(
         "14.5",
-        "Drive a square with sides of 80 cm to the left, and stop where the robot began: reach each corner to"
-        " within 15 cm, whatever the battery, and although the wheels are uneven. Tasks such as `drive_by`"
-        " are not allowed.",
+        "Drive a square with sides of 80 cm, turning left at each corner, and stop where the robot began."
+        " Reach each corner to within 15 cm, whatever the battery, and although the wheels are uneven. Tasks"
+        " such as `drive_by` are not allowed.",
         polygon(4, 0.8, 0.15),
         _TASKS,
         _ROUND,

@@ -45,7 +45,7 @@ def rests_in(zone: str, seconds: float) -> Criterion:
 
 
 def hardly_moves(metres: float, seconds: float) -> Criterion:
-    """Require that the robot drives less than this in the last seconds, to and fro added up."""
+    """Require that the robot drives less than this in the last seconds, in both directions together."""
 
     def judge(run: RunRecord) -> Found:
         last = [sample for sample in run.samples[-1000:] if sample.time > run.seconds - seconds - 1e-6]

@@ -63,7 +63,7 @@ EXERCISES = (
     exercise(
         "16.1",
         "Drive to the wall ahead. After the bump, back off and stop, at least 10 cm away from both walls, in"
-        " wide rooms and in narrow ones. The narrowest leaves the robot 30 cm between the walls.",
+        " wide rooms and in narrow ones. In the narrowest one, it has only 30 cm to move in.",
         (_narrow(1.0, 0.5), _narrow(0.5, 0.6), _narrow(0.2, 0.1)),
         touches("wall ahead"),
         never_pushes(1),
@@ -86,7 +86,7 @@ EXERCISES = (
     exercise(
         "16.2",
         "Stop 15 to 35 cm before the wall, and touch nothing, although the distance sensor fails now and"
-        " then. For a second it reads `inf` then.",
+        " then: for a second, it reads `inf`.",
         tuple(hall(ahead, distance=0.25) for ahead in (1.2, 0.8)),
         touches_nothing(),
         ends_in("before the wall"),
@@ -135,7 +135,7 @@ EXERCISES = (
                 lambda run: run.world.name == "no line" and run.touch(),
             ),
             says(
-                "The robot stopped in the wrong place, although there is no line.",
+                "There is no line in this world, and the robot did not stop 15 to 35 cm before the wall.",
                 lambda run: run.world.name == "no line" and run.stood > 1,
             ),
         ),
@@ -143,8 +143,8 @@ EXERCISES = (
     exercise(
         "16.5",
         "Drive towards the wall until it is less than 35 cm away, and back to where the robot began, to"
-        " within 10 cm. Touch nothing. This has to work in each room, with each battery, and although the"
-        " distance sensor fails now and then. For a second it reads `inf` then.",
+        " within 10 cm. Touch nothing. This has to work in every room and with every battery, although the"
+        " distance sensor fails now and then: for a second, it reads `inf`.",
         tuple(map(_return, (1.2, 2.6, 0.6))),
         touches_nothing(),
         visits("near the wall", "home"),
@@ -162,7 +162,7 @@ EXERCISES = (
                 lambda run: run.stood > 1 and ends_in("home").missing(run),
             ),
             says(
-                "Time ran out. The robot may be quick where a sensor that fails does no harm: where is that?",
+                "Time ran out. Where does it do no harm if the sensor fails? There the robot may be quick.",
                 lambda run: run.stood < 1 and not run.touch(),
             ),
         ),

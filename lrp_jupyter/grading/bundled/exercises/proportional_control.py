@@ -21,7 +21,7 @@ _STARTS = moves("robot", x=0.05, y=0.2)
 _PLACE = "50 cm before the wall"
 _IN_CORRIDOR = stays_in("corridor")
 _IN_LANE = avoids("left of the lane"), avoids("right of the lane")
-_LAST = "In the last three seconds the robot must drive less than 5 cm, to and fro added up."
+_LAST = "In the last three seconds the robot must drive less than 5 cm, forward and backward added together."
 _AT_REST = hardly_moves(0.05, 3)
 
 
@@ -139,10 +139,15 @@ EXERCISES = (
         vary=wears(speed=0.1),
         hints=(
             lambda run: ignores(
-                run, "gyro", "It bends off, and does not notice: let `angular` follow the error of its angle."
+                run,
+                "gyro",
+                "The robot veers off course and does not notice: let `angular` follow the error of its"
+                " angle.",
             ),
             lambda run: ignores(
-                run, "distance", "It does not slow down: let `linear` follow the error of the distance."
+                run,
+                "distance",
+                "The robot does not slow down: let `linear` follow the error of the distance.",
             ),
             says(
                 "The robot left the corridor. It has to steer against its error, and strongly enough.",
@@ -170,9 +175,9 @@ EXERCISES = (
             lambda run: ignores(
                 run,
                 "gyro",
-                "Which way should the robot face in the middle of the lane, and what says which way it does"
-                " face? Let the error of the place decide on a course, and steer to that course as in lesson"
-                " 14.",
+                "Which way should the robot face in the middle of the lane, and what tells the program which"
+                " way it does face? Let the error in position set a course, and steer to that course as in"
+                " lesson 14.",
             ),
             says(
                 "The robot was not in the lane. How large is its course in the middle of the lane, and how"
