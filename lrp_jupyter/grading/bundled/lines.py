@@ -255,6 +255,6 @@ FOLLOW_THE_LINE = Challenge(
     150,
     (_did_not_follow,),
     noise={"motor": 0.02, "light": 5},
-    vary=(moves("robot", x=0.1, y=0.01, degrees=10), shades(30)),
+    vary=(moves("robot", x=0.1, y=0.01, degrees=5), shades(30)),
     starter=starter("follow the line"),
 )
