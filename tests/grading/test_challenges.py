@@ -17,7 +17,7 @@ MADE_FOR = {name: challenge for name in names() if (challenge := heading(load(na
 
 
 LONG = 100  # s
-SEEDS = {"follow the line": (0, 9), "robust follower": range(1000, 1005)}
+SEEDS = {"find the line": (0, 6), "follow the line": (0, 9), "robust follower": range(1000, 1005)}
 """Seeds with which solutions are proved, among them one that was too hard, where it is not the first two."""
 
 

@@ -1,5 +1,7 @@
 """Hints say what is true of a run."""
 
+from dataclasses import replace
+
 import pytest
 from support.tables import every
 
@@ -9,6 +11,7 @@ from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.grading.criteria import blinks, drives, enters
 from lrp_jupyter.grading.grade import grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import load as load_world
 
@@ -243,7 +246,9 @@ def test_of_a_line_that_a_follower_never_saw_the_hint_says_so():
         " (on [robot.light.data < 128] white -> black) (on [robot.light.data >= 128] black -> white))"
         " (spawn m black)"
     )
-    assert "never saw the line" in grade(text, "follow the line", [2]).hint
+    beside = moves("robot", x=0.1, y=0.01, degrees=10)  # its sensor
+    task = replace(challenge("follow the line"), vary=beside)
+    assert "never saw the line" in grade(text, task, [2]).hint
 
 
 CUT_SHORT = {  # what ended the run is told, and not what it has therefore not done
