@@ -625,9 +625,11 @@ def grade(
     scheduler: Scheduler = None,
 ) -> None:
     """Grade programs in a challenge, or in those that they name; without arguments, list the challenges."""
-    if len(files or []) == 1 and challenge is None:
-        challenge = _challenge_in((files or [""])[0])
-    if not files or (challenge is None and len(files) == 1 and not _names_its_own(files[0])):
+    from lrp_jupyter.cli.program_source import challenge_in, may_hold_several
+
+    if challenge is None and files and len(files) == 1:
+        challenge = challenge_in(files[0])
+    if not files or (challenge is None and len(files) == 1 and not may_hold_several(files[0])):
         from lrp_jupyter.cli.lists import list_challenges
 
         if files:
@@ -644,23 +646,6 @@ def grade(
     how = HowRun(limit, memory, jobs, scheduler, sandbox=sandbox)
     where = MarksFiles(out or [], table, feedback, gradebook, column, separator)
     raise typer.Exit(grade_files(files, challenge, seeds, where, how, given))
-
-
-def _names_its_own(file: str) -> bool:
-    """Return whether a file may hold several programs, each of which names its challenge."""
-    return Path(file).is_dir() or file.lower().endswith((".ipynb", ".zip"))
-
-
-def _challenge_in(file: str) -> str | None:
-    """Return the challenge that a program names in its heading; None for what may hold several programs."""
-    from lrp_jupyter.cli.program_source import Source, read_source
-    from lrp_jupyter.files import guessed, read_data, shown
-
-    if _names_its_own(file):
-        return None
-    if Path(file).is_file():  # in any encoding, as programs are read that are handed in
-        return Source(file, guessed(read_data(file), f"`{shown(file)}`")[0], Path(file)).challenge
-    return read_source(file).challenge
 
 
 SWEEP_EPILOG = """
@@ -706,7 +691,9 @@ def sweep(
     scheduler: Scheduler = None,
 ) -> None:
     """Grade a program with other initial values of its variables, to find fast and robust ones."""
-    challenge = challenge or _challenge_in(file)
+    from lrp_jupyter.cli.program_source import challenge_in
+
+    challenge = challenge or challenge_in(file)
     if challenge is None:
         raise LRPError("No challenge was named. Choose one with `--challenge NAME`; `lrp grade` lists them.")
     from lrp_jupyter.cli.batches import sweep_file

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import FileError, LRPError, did_you_mean, ended
-from lrp_jupyter.files import decoded, read_text, shown, whole
+from lrp_jupyter.files import decoded, guessed, read_data, read_text, shown, whole
 
 
 class Source(NamedTuple):
@@ -61,6 +61,20 @@ def read_source(what: str) -> Source:
 
 _DEBOUNCE = 50  # ms without a change: editors write in several steps
 _POLL = 500  # ms after which the file is read anyway: some file systems send no notifications
+
+
+def may_hold_several(file: str) -> bool:
+    """Return whether a file may hold several programs, each of which names its challenge."""
+    return Path(file).is_dir() or file.lower().endswith((".ipynb", ".zip"))
+
+
+def challenge_in(file: str) -> str | None:
+    """Return the challenge that a program names in its heading; None for what may hold several programs."""
+    if may_hold_several(file):
+        return None
+    if Path(file).is_file():  # in any encoding, as programs are read that are handed in
+        return Source(file, guessed(read_data(file), f"`{shown(file)}`")[0], Path(file)).challenge
+    return read_source(file).challenge
 
 
 class Watch:

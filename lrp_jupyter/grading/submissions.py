@@ -80,13 +80,12 @@ class _File(NamedTuple):
     stem: str
     cells: tuple[_Program, ...]
     labs: tuple[_Program, ...] = ()
-    is_notebook: bool = False
     blank: bool = False
     notes: tuple[str, ...] = ()
 
     @property
     def lacks(self) -> str:
-        """Why there is no program in it, a sentence; empty if there is one."""
+        """Why it holds no program, a sentence; empty if it holds one."""
         if self.cells or self.labs:
             return ""
         if self.blank:
@@ -277,7 +276,7 @@ def _read(handed_in: HandedIn) -> _File:
         text = _said(text)
     if handed_in.suffix == ".ipynb" or (text.lstrip().startswith("{") and '"cells"' in text):
         cells, labs, blank = _cells_and_labs(text, name)
-        file = _File(place, name, handed_in.stem, cells, labs, True, blank, notes)
+        file = _File(place, name, handed_in.stem, cells, labs, blank, notes)
     elif not text.strip():
         raise FileError(f"`{name}` is empty. Open the program in the lab, save it again, and hand in that.")
     elif linked := _linked(handed_in, text):

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 
-from lrp_jupyter.grading.bundled.common_hints import ignores
-from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
+from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says, without_reading
 from lrp_jupyter.grading.bundled.exercises.exercise_worlds import polygon
-from lrp_jupyter.grading.challenge import Hint
 from lrp_jupyter.grading.criteria import ends_in, ends_still, stays_in, visits, without
 from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import wears
@@ -49,10 +47,6 @@ def _corridor(name: str, left: float, right: float) -> World:
     )
 
 
-def _ignores(sensor: str, advice: str) -> Hint:
-    return lambda run: ignores(run, sensor, advice)
-
-
 def _turned(run: RunRecord) -> float:
     """Return the degrees by which the robot has turned to the left in the end."""
     return math.degrees(run.samples[-1].heading - run.samples[0].heading)
@@ -79,7 +73,7 @@ EXERCISES = (
         vary=_BATTERY,
         hints=(
             _ASKED,
-            _ignores(
+            without_reading(
                 "odom",
                 "With a weak battery the robot gets less far in the same time. `robot.odom.x` says how far it"
                 " has come.",
@@ -87,7 +81,6 @@ EXERCISES = (
             says(
                 "The robot did not stop 1.5 m from its start. `robot.odom.x` is in metres, and counts from"
                 " the start.",
-                lambda run: True,
             ),
         ),
     ),
@@ -107,7 +100,7 @@ EXERCISES = (
         vary=_BATTERY,
         hints=(
             _ASKED,
-            _ignores(
+            without_reading(
                 "gyro",
                 "The robot veers off course and does not notice: `robot.gyro.data` says by how much it has"
                 " turned.",
@@ -139,7 +132,7 @@ EXERCISES = (
         vary=_BATTERY,
         hints=(
             _ASKED,
-            _ignores(
+            without_reading(
                 "gyro",
                 "With a weak battery the robot turns less far in the same time. Let the gyro end the turn.",
             ),
@@ -171,8 +164,10 @@ EXERCISES = (
         vary=wears(speed=0.3, wheels=0.02),
         hints=(
             _ASKED,
-            _ignores("gyro", "The gyro ends each corner at a multiple of 90°, and keeps each side straight."),
-            _ignores(
+            without_reading(
+                "gyro", "The gyro ends each corner at a multiple of 90°, and keeps each side straight."
+            ),
+            without_reading(
                 "odom",
                 "Odometry counts from the start: on entry to a side, keep what it says in variables, and"
                 " compare.",

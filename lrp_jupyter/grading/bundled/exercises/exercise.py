@@ -6,6 +6,7 @@ from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
 
+from lrp_jupyter.grading.bundled.common_hints import ignores
 from lrp_jupyter.grading.challenge import Challenge, Hint
 from lrp_jupyter.grading.criteria import Criterion
 from lrp_jupyter.grading.run_record import RunRecord
@@ -23,9 +24,14 @@ def bug(number: int, task: str, worlds: Any, *criteria: Criterion, **more: Any) 
     return _in_series("find the bug", f"bug {number}", task, worlds, criteria, more)
 
 
-def says(text: str, when: Callable[[RunRecord], object]) -> Hint:
-    """Return a hint for the runs of which a condition holds."""
+def says(text: str, when: Callable[[RunRecord], object] = lambda run: True) -> Hint:
+    """Return a hint for the failed runs of which a condition holds; default: for all."""
     return lambda run: text if when(run) else None
+
+
+def without_reading(sensor: str, advice: str) -> Hint:
+    """Return a hint for programs that do not read a sensor, such as ``"light"``."""
+    return lambda run: ignores(run, sensor, advice)
 
 
 def _in_series(

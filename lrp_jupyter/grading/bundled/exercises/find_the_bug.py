@@ -23,7 +23,6 @@ from lrp_jupyter.grading.criteria import (
     visits,
 )
 from lrp_jupyter.grading.criteria.motion import backed
-from lrp_jupyter.grading.run_record import RunRecord
 from lrp_jupyter.grading.variation import moves
 from lrp_jupyter.sim.world import World
 
@@ -31,10 +30,6 @@ __all__ = ["BUGS"]
 
 _STARTS = moves("robot", x=0.15, y=0.3)
 _TURNED = moves("robot", x=0.1, y=0.1, degrees=60)
-
-
-def _any(_: RunRecord) -> bool:
-    return True
 
 
 def _stripes(name: str, first: float, gap: float) -> World:
@@ -57,7 +52,6 @@ BUGS = (
         hints=(
             says(
                 "The robot hardly backed off. Ask `tstop` why it fired: how long had `backing` been active?",
-                _any,
             ),
         ),
     ),
@@ -74,7 +68,6 @@ BUGS = (
             says(
                 "The robot drove into the wall. Go back to the moment at which it was 30 cm away, and ask"
                 " `tstop`: what exactly did the sensor read?",
-                _any,
             ),
         ),
     ),
@@ -91,7 +84,6 @@ BUGS = (
             says(
                 "The robot drove into the wall. Which state was active when it was 20 cm away? Ask `tstop` at"
                 " that moment.",
-                _any,
             ),
         ),
     ),
@@ -162,7 +154,6 @@ BUGS = (
             says(
                 "The robot was on the border, stood there for four seconds, and left it. Put a breakpoint on"
                 " `turning`, and ask which transition led there, and from which state.",
-                _any,
             ),
         ),
     ),

@@ -78,7 +78,6 @@ EXERCISES = (
             says(
                 "The robot takes black for the line. White reads 255: where is the robot on the line, and"
                 " where is it not?",
-                lambda run: True,
             ),
         ),
     ),
@@ -96,7 +95,6 @@ EXERCISES = (
             says(
                 "The robot did not get over the gap. Before it turns to look for the line, let it drive"
                 " on for a moment: for how many milliseconds?",
-                lambda run: True,
             ),
         ),
     ),

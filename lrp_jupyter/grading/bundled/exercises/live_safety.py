@@ -107,7 +107,6 @@ EXERCISES = (
             says(
                 "The robot was too fast near the wall. A state that drives slowly has to be entered before it"
                 " is 45 cm away.",
-                lambda run: True,
             ),
         ),
     ),

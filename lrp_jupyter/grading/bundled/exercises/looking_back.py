@@ -31,7 +31,6 @@ _TOUCHED = says(
 )
 _MISSED = says(
     "The robot missed its goal. Go back to the moment at which it begins to bend, and change a number there.",
-    lambda run: True,
 )
 
 EXERCISES = (
@@ -52,7 +51,6 @@ EXERCISES = (
             ),
             says(
                 "The robot stopped, but not about 30 cm before the wall. Go back, and try another distance.",
-                lambda run: True,
             ),
         ),
     ),
@@ -93,7 +91,7 @@ EXERCISES = (
                 " when the robot saw it? It has to wait where no cart comes, until one has passed.",
                 lambda run: run.touch(),
             ),
-            says("Time ran out before the robot reached the goal.", lambda run: True),
+            says("Time ran out before the robot reached the goal."),
         ),
     ),
 )

@@ -110,7 +110,6 @@ EXERCISES = (
             says(
                 "All sides have the same length. `(spawn leg side (var way := [ways[n]]))` gives each use"
                 " of `leg` its own; and `n` has to grow when one is done, in an `(effect …)`.",
-                lambda run: True,
             ),
         ),
     ),

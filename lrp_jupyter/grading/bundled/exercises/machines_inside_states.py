@@ -121,7 +121,6 @@ EXERCISES = (
             says(
                 "The robot drove to a wall that is not the furthest one. `seen.index(max(seen))` is the"
                 " position of the greatest of the four readings: 0 ahead, 1 left, 2 behind, 3 right.",
-                lambda run: True,
             ),
         ),
     ),

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lrp_jupyter.grading.bundled.common_hints import ignores
-from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says
+from lrp_jupyter.grading.bundled.exercises.exercise import exercise, says, without_reading
 from lrp_jupyter.grading.bundled.exercises.exercise_criteria import hardly_moves
 from lrp_jupyter.grading.bundled.exercises.exercise_worlds import RADIUS, hall
 from lrp_jupyter.grading.bundled.rooms import THICK
@@ -138,14 +137,12 @@ EXERCISES = (
         noise=_NOISE,
         vary=wears(speed=0.1),
         hints=(
-            lambda run: ignores(
-                run,
+            without_reading(
                 "gyro",
                 "The robot veers off course and does not notice: let `angular` follow the error of its"
                 " angle.",
             ),
-            lambda run: ignores(
-                run,
+            without_reading(
                 "distance",
                 "The robot does not slow down: let `linear` follow the error of the distance.",
             ),
@@ -172,8 +169,7 @@ EXERCISES = (
         seeds=3,
         noise={"motor": 0.02, "odom": 0.01, "gyro": 0.01},
         hints=(
-            lambda run: ignores(
-                run,
+            without_reading(
                 "gyro",
                 "Which way should the robot face in the middle of the lane, and what tells the program which"
                 " way it does face? Let the error in position set a course, and steer to that course as in"

@@ -113,7 +113,6 @@ EXERCISES = (
             says(
                 'The lamp has to know that `legs` has stopped: `[legs.state == "there"]` is true then.'
                 " Which state of `lamp` does that lead to, and from which?",
-                lambda run: True,
             ),
         ),
     ),
