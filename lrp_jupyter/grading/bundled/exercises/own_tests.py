@@ -63,7 +63,7 @@ EXERCISES = (
     exercise(
         "16.1",
         "Drive to the wall ahead. After the bump, back off and stop, at least 10 cm away from both walls, in"
-        " wide rooms and in narrow ones. In the narrowest one, it has only 30 cm to move in.",
+        " wide rooms and in narrow ones. In the narrowest room, the robot has only 30 cm to move in.",
         (_narrow(1.0, 0.5), _narrow(0.5, 0.6), _narrow(0.2, 0.1)),
         touches("wall ahead"),
         never_pushes(1),
