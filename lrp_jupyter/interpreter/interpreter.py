@@ -51,7 +51,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, Visits, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.tree import Activation, Count, Edge, bind_block, chained
+from lrp_jupyter.interpreter.tree import FAILED, HELD, Activation, Count, Edge, bind_block, chained
 from lrp_jupyter.interpreter.variables import BlockTest, Outdated, VariableMapping, assign, evaluate, outdated
 from lrp_jupyter.interpreter.watched_test import watch
 from lrp_jupyter.language.blocks.expressions import Evaluation
@@ -264,6 +264,17 @@ class Interpreter:
     def firings(self) -> dict[Path, Count]:
         """How often each transition fired and in which tick last, by path of definition."""
         return self._run.counted("transition")
+
+    @property
+    def outcomes(self) -> dict[Path, tuple[bool, bool]]:
+        """Whether the condition of each transition ever was True when it was tested, and whether it ever was not.
+
+        By path of definition; since the condition was last edited. Delays are not among them.
+        """
+        run, found = self._run, dict[Path, int]()
+        for element, means in run.plan.tests():
+            found[element.path] = found.get(element.path, 0) | run.outcomes.get((element, means), [0])[0]
+        return {path: (bool(bits & HELD), bool(bits & FAILED)) for path, bits in found.items() if bits}
 
     @property
     def event_values(self) -> Mapping[Path, bool | None]:

@@ -11,7 +11,7 @@ unresolved reference is kept as a sentence and becomes an issue only when the in
 from __future__ import annotations
 
 import linecache
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
@@ -176,6 +176,12 @@ class Plan:
     dangling: set[tuple[Element, IssueKind]] = field(default_factory=set)
     places: dict[Element, int] = field(default_factory=dict)
     blocks: tuple[BlockPlan, ...] = ()
+
+    def tests(self) -> Iterator[tuple[Element, object]]:
+        """Yield each transition, for each of its sources, and what it tests there."""
+        for machine in self.machines.values():
+            for state in machine.states.values():
+                yield from ((edge.site.element, edge.means(state.name)) for edge in state.edges)
 
     def state(self, path: Path) -> StatePlan | None:
         """Return the state with this path of definition, or None."""

@@ -102,6 +102,8 @@ class Run:
         self.events: list[TraceEvent] = []
         self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
+        self.outcomes: dict[tuple[Element, object], list[int]] = {}
+        """How the condition of a transition, by what it means, has come out so far: HELD, FAILED or both, in a list."""
         self.unmeant: Element | None = None  # where the user is typing; its faults are not reported
         self.faulted = False  # whether an issue has occurred, even again, since the last tick or command
         self.stale = False
@@ -544,6 +546,8 @@ class Run:
     def _set_counts(self, counts: Mapping[Element, Count]) -> None:
         self.counts = {element: count for element, count in counts.items() if element in self.plan.places}
         self.firings = {}
+        known = self.outcomes
+        self.outcomes = {what: known[what] for what in self.plan.tests() if what in known}
 
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Call `callback` with every event from now on; return a function that ends this."""

@@ -57,6 +57,9 @@ class Count:
     tick: int = 0
 
 
+HELD, FAILED = 1, 2
+"""How a condition came out when it was tested: it was True, or it was not."""
+
 _NONE: Mapping[str, Any] = {}
 """Shared, because each object that a spawn makes is one for the garbage collector."""
 
@@ -216,6 +219,22 @@ class Edge:
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
         element = plan.site.element
         self.count = run.firing(element, Element("state", self.target.path)) if self.target else Count()
+        if plan.noun.trigger.keyword == "on":  # the others are delays, or always true
+            self._note_outcomes(run.outcomes.setdefault((element, plan.means(state.name)), [0]))
+
+    def _note_outcomes(self, outcomes: list[int]) -> None:
+        """Note how its test comes out, unless it has come out both ways."""
+        test = self.test
+        if outcomes[0] == HELD | FAILED:
+            return
+
+        def noting() -> object:
+            value = test()
+            if outcomes[0] != HELD | FAILED:
+                outcomes[0] |= HELD if value is True or (is_boolean(value) and bool(value)) else FAILED
+            return value
+
+        self.test = noting
 
     @property
     def path(self) -> Path:
@@ -314,6 +333,7 @@ class _Host(Protocol):
     issues: IssueLog
     log: Log | None
     event_values: dict[Path, bool | None] | None
+    outcomes: dict[tuple[Element, object], list[int]]
 
     @property
     def roots(self) -> Sequence[Activation]: ...

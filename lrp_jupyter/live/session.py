@@ -62,6 +62,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live import questions
+from lrp_jupyter.live.coverage import Coverage, coverage_of
 from lrp_jupyter.live.past.plots import Plot
 from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor
 from lrp_jupyter.live.past.trials import Trials
@@ -634,6 +635,11 @@ class Session(Runner):
             A tick is not, or no longer, recorded; or the end is before the beginning.
         """
         return questions.animation(self, begin, end)
+
+    @property
+    def coverage(self) -> Coverage:
+        """What the run has reached of the program: states, transitions, both outcomes of each condition."""
+        return self._value("coverage", lambda loop: coverage_of(loop.interpreter))
 
     def timeline(
         self, since: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
