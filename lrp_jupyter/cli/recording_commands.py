@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pydoc
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 import typer
@@ -14,12 +14,11 @@ from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.event_printer import SHOWN, EventPrinter
 from lrp_jupyter.cli.excerpt import excerpt, print_findings, ran
 from lrp_jupyter.cli.program_source import read_source
-from lrp_jupyter.cli.run_options import Assignment, check_outputs, with_initials
+from lrp_jupyter.cli.run_options import check_outputs
 from lrp_jupyter.errors import LRPError, UnknownElementError, printable
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.trace_events import Observer, TraceEvent
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.recording import Recording, read_recording
 from lrp_jupyter.live.reproduction import Reproduction, reproduce
 from lrp_jupyter.live.running import commands as do
@@ -32,11 +31,6 @@ _SETS = (
     "If it walks over a set of texts: Python puts these into another order in every process. Set the "
     "variable `PYTHONHASHSEED` to one number for the run and for its replay."
 )
-
-
-def prepared(program: Program, initials: Mapping[str, str]) -> Program:
-    """Return a program with the initial values that a recorded run was started with."""
-    return with_initials(program, [Assignment(name, text) for name, text in initials.items()])
 
 
 def replay_file(file: str, program: str | None, begin: float, end: float | None, trusted: bool) -> int:
@@ -104,7 +98,7 @@ def looks_file(file: str, out: Path | None) -> int:
     """Print, or write, what a person looked at and did; return the exit code."""
     if out is not None:
         check_outputs([out], (".csv",))
-    recording = read_recording(file, prepared)
+    recording = read_recording(file)
     looks = sorted(recording.looks, key=lambda each: each.wall)
     if out is not None:
         write_file(out, csv_text(Look._fields, looks))
@@ -130,7 +124,7 @@ def _recorded(recording: Recording) -> str:
 
 
 def _read(file: str, trusted: bool) -> Recording:
-    recording = read_recording(file, prepared)
+    recording = read_recording(file)
     if trusted or recording.is_own:
         return recording
     question = (
@@ -184,4 +178,4 @@ def _run_again(
             "`from lrp_jupyter.live.reproduction import reproduce`, "
             "`reproduce(read_recording(…), namespace=globals())`."
         )
-    return reproduce(recording, until, text, show, prepared=prepared)
+    return reproduce(recording, until, text, show)

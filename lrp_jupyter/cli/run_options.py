@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any, Literal, NamedTuple
 
@@ -14,8 +14,8 @@ import typer
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import shown
 from lrp_jupyter.language.blocks.block import facts_of, faults_of
-from lrp_jupyter.language.lookup import definition_of, find
-from lrp_jupyter.language.program import Program, Variable
+from lrp_jupyter.language.edits.initials import with_initialiser
+from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.running.timing import FASTEST, SLOWEST
 
 
@@ -136,19 +136,7 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
     """Return the program with its initialisers replaced by the assigned expressions; its text stays."""
     for variable, expression in assignments:
         try:
-            found = definition_of(program, find(program, "variable", variable))
+            program = with_initialiser(program, variable, expression)
         except UnknownElementError as error:
             raise UnknownElementError(f"--set {variable}: {error}", error.candidates) from None
-        assert isinstance(found, Variable)
-        new = replace(found, initial=replace(found.initial, text=expression))
-        program = _replaced(program, found, new)
     return program
-
-
-def _replaced(part: Any, old: Variable, new: Variable) -> Any:
-    """Return a program, or a part of it, with one variable replaced."""
-    if part is old:
-        return new
-    names = [name for name in ("variables", "machines", "states") if hasattr(part, name)]
-    changed = {name: tuple(_replaced(each, old, new) for each in getattr(part, name)) for name in names}
-    return replace(part, **changed) if changed else part

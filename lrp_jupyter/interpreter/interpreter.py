@@ -267,9 +267,9 @@ class Interpreter:
 
     @property
     def outcomes(self) -> dict[Path, tuple[bool, bool]]:
-        """Whether the condition of each transition ever was True when it was tested, and whether it ever was not.
+        """Whether the condition of each transition ever was True when it was tested, and ever was not.
 
-        By path of definition; since the condition was last edited. Delays are not among them.
+        By path of definition; since the condition was edited last. Delays are not among them.
         """
         run, found = self._run, dict[Path, int]()
         for element, means in run.plan.tests():

@@ -49,7 +49,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
-from functools import partial
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -60,6 +59,7 @@ from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import FileError, UnknownElementError, sentence_of
 from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.rendering import short
+from lrp_jupyter.language.edits.initials import with_initialiser
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.past.replay import Entry, Ticked
@@ -121,6 +121,19 @@ class RunStart:
     values: Mapping[str, str] = field(default_factory=dict)
     armed: bool = True
     recorded: str = ""
+
+    def program(self, wanted: str | Program) -> Program:
+        """Return a program, or that of a text, with the initial values of the run.
+
+        Raises LRPSyntaxError: it is not a valid program.
+        Raises UnknownElementError: it has no such variable.
+        """
+        if isinstance(wanted, str) and len(wanted) > _LONGEST_PROGRAM:
+            raise FileError(f"Its program has more than {_LONGEST_PROGRAM:,} characters.")
+        program = parse(wanted, self.filename) if isinstance(wanted, str) else wanted
+        for variable, expression in self.initials.items():
+            program = with_initialiser(program, variable, expression)
+        return program
 
     def namespace(self) -> dict[str, Any]:
         """Return the recorded values of names."""
@@ -187,16 +200,12 @@ class Recording:
         return max((entry.time for entry in self.entries), default=0.0)
 
 
-def read_recording(
-    path: str | os.PathLike[str], prepared: Callable[[Program, Mapping[str, str]], Program] | None = None
-) -> Recording:
+def read_recording(path: str | os.PathLike[str]) -> Recording:
     """Read a recording without running any of it.
 
     Parameters
     ----------
     path : str or path
-    prepared : callable, optional
-        Returns a program with other initial values.
 
     Raises
     ------
@@ -221,7 +230,7 @@ def read_recording(
             line = _line(raw)
             memory += _PARSED * code.add(line)
             if start is None:
-                start = _start(line, prepared)
+                start = _start(line)
                 continue
             tick, time = _moment(line)
             if start.world is not None and time > latest + _LONGEST_WAIT:
@@ -233,7 +242,7 @@ def read_recording(
             if "input" in line:
                 if "wall" in line and line["input"] not in _OF_THE_RUN:
                     looks.append(Look(tick, time, float(line["wall"]), "input", str(line["input"])))
-                what = input_of(line, partial(_program, start=start, prepared=prepared))
+                what = input_of(line, start.program)
                 entries.append(Input(number, tick, time, what))
                 if not isinstance(what, (CommandsHeld, MembersChanged)):  # they are written in their tick
                     complete = len(followed)
@@ -289,7 +298,7 @@ def _moment(line: Line) -> tuple[int, float]:
     return tick, time
 
 
-def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program] | None) -> RunStart:
+def _start(line: Line) -> RunStart:
     found = line.get("lrplog")
     if found != VERSION:
         if found is None:
@@ -307,22 +316,12 @@ def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program]
         if not _STARTS[name](value):
             raise FileError(f"The field `{name}` is wrong: it is {short(value)}.")
     start = RunStart(**known)
-    _program(start.text, start, prepared)
+    start.program(start.text)
     start.recorded_members()
     start.namespace()
     if start.world is not None:
         load(start.world)
     return start
-
-
-def _program(
-    text: str, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
-) -> Program:
-    """Return a recorded program with the initial values of the run."""
-    if len(text) > _LONGEST_PROGRAM:
-        raise FileError(f"Its program has more than {_LONGEST_PROGRAM:,} characters.")
-    parsed = parse(text, start.filename)
-    return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
 
 
 def _are_texts(values: object) -> bool:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import FileError, sentence_of
 from lrp_jupyter.interpreter.journal import TICKS
 from lrp_jupyter.interpreter.trace_events import Observer
-from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.comparison import Comparison, FirstDifference
@@ -45,7 +43,6 @@ def reproduce(
     observer: Observer | None = None,
     *,
     namespace: dict[str, Any] | None = None,
-    prepared: Callable[[Program, Mapping[str, str]], Program] | None = None,
 ) -> Reproduction:
     """Run a recorded session again, including its blocks, which are Python and can do anything you can do.
 
@@ -64,8 +61,6 @@ def reproduce(
     namespace : dict, optional
         The names that the blocks of the recorded session used, if it ran in a notebook; recorded values take
         precedence.
-    prepared : callable, optional
-        Returns a program with other initial values.
 
     Returns
     -------
@@ -81,10 +76,7 @@ def reproduce(
         A block does not return.
     """
     start, entries = recording.start, deque(recording.entries)
-    wanted = start.text if program is None else program
-    first = parse(wanted, start.filename) if isinstance(wanted, str) else wanted
-    if prepared is not None and start.initials:
-        first = prepared(first, start.initials)
+    first = start.program(start.text if program is None else program)
     if program is not None:
         entries = deque(without_edits(entries))
     session = Session(

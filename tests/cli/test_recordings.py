@@ -298,15 +298,15 @@ def test_a_part_that_ends_before_it_begins_is_refused(lrp, recorded):
 
 
 def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp_path):
-    from lrp_jupyter.cli.recording_commands import prepared
+    from lrp_jupyter.language.edits.initials import with_initialiser
     from lrp_jupyter.language.parser import parse
     from lrp_jupyter.live.clock import VirtualClock
     from lrp_jupyter.live.running.commands import ReplaceProgram
     from lrp_jupyter.live.session import Session
 
     path, initials = tmp_path / "run.lrplog", {"n": "100"}
-    other = prepared(parse(TEXT.replace("[n += 1]", "[n += 2]"), "run.lrp"), initials)
-    first = prepared(parse(TEXT, "run.lrp"), initials)
+    other = with_initialiser(parse(TEXT.replace("[n += 1]", "[n += 2]"), "run.lrp"), "n", "100")
+    first = with_initialiser(parse(TEXT, "run.lrp"), "n", "100")
     with (
         open(path, "w", encoding="utf-8") as stream,
         Session(first, "sim", VirtualClock(), world="line") as session,

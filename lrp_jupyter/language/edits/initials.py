@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.lookup import as_defined, definition_of, find
 from lrp_jupyter.language.parser import parse
@@ -20,6 +23,27 @@ def with_initial(text: str, variable: str | Path, expression: str) -> str:
     assert isinstance(found, Variable)
     start, end = found.initial.span
     return f"{text[:start]}[{expression}]{text[end:]}"
+
+
+def with_initialiser(program: Program, variable: str, expression: str) -> Program:
+    """Return a program with another initialiser of a variable; its text stays.
+
+    Raises UnknownElementError: there is no such variable, or there are several.
+    """
+    found = definition_of(program, find(program, "variable", variable))
+    assert isinstance(found, Variable)
+    new = replace(found, initial=replace(found.initial, text=expression))
+    replaced: Program = _replaced(program, found, new)
+    return replaced
+
+
+def _replaced(part: Any, old: Variable, new: Variable) -> Any:
+    """Return a program, or a part of it, with one variable replaced."""
+    if part is old:
+        return new
+    names = [name for name in ("variables", "machines", "states") if hasattr(part, name)]
+    changed = {name: tuple(_replaced(each, old, new) for each in getattr(part, name)) for name in names}
+    return replace(part, **changed) if changed else part
 
 
 def _setting(program: Program, element: Element, spawned: Path) -> Variable | None:
