@@ -50,6 +50,10 @@ class Job:
             return (first, *[(self.task.seconds - first) / others] * others)
         return (self.task.seconds / len(self.texts),) * len(self.texts)
 
+    def done(self) -> dict[str, Any]:
+        """Make the run, and return the plain data of its attempt."""
+        return attempt(self).to_dict()
+
     @property
     def world_name(self) -> str:
         """The name of the world."""

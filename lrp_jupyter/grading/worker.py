@@ -1,28 +1,31 @@
-"""A worker: a process that makes graded runs, each in a process forked from it.
+"""A worker: a process that makes runs, each in a process forked from it.
 
-It prints a line when it is ready, and one for each run. A request is pickled; an ending is JSON, because a
-program that is graded may have written it. What programs print goes nowhere. Where processes cannot be
-forked, it makes one run, prints its answer, and ends.
+It prints a line when it is ready, and one for each run. A request is pickled: a job, which has a method
+`done` that makes the run and returns plain data. An ending is JSON, because a program that is run may have
+written it. What programs print goes nowhere. Where processes cannot be forked, it makes one run, prints its
+answer, and ends.
 """
 
 from __future__ import annotations
 
 import ctypes
 import faulthandler
+import gc
 import json
 import os
 import pickle
 import select
 import signal
+import struct
 import sys
 import traceback
 from contextlib import suppress
 from pathlib import Path
 from time import monotonic
-from typing import NamedTuple
+from typing import IO, NamedTuple
 
-from lrp_jupyter.errors import sentence_of
-from lrp_jupyter.grading.attempt import attempt, failed
+from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.live.recording import recording_of
 
 FORKS = hasattr(os, "fork")
 READY = b"ready\n"
@@ -30,14 +33,20 @@ LARGEST = 4_000_000  # bytes of an answer
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
+_SIZE = ">Q"
+_NICE = 10
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nothing ends them
 
 
 class Request(NamedTuple):
-    """A run that is to be made: the job and the megabytes that it may need, pickled; seconds of computing."""
+    """A run that is to be made: the job and the megabytes that it may need, pickled; seconds of computing.
+
+    `recording`: the file of the recording that it runs again, to be read once for all runs; empty if none.
+    """
 
     job: bytes
     limit: float
+    recording: str = ""
 
 
 class Ending(NamedTuple):
@@ -50,6 +59,9 @@ class Ending(NamedTuple):
     code: int | None
     answer: str
 
+
+NOTHING = b""
+"""A request that only ends the run that is being made, if there is one."""
 
 LOST = Ending(-9, "")
 """The process was killed from outside."""
@@ -66,24 +78,63 @@ def _longest(limit: float) -> float:
 
 def main() -> None:
     """Make runs until the standard input is closed."""
-    requests, endings = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
+    requests = os.fdopen(os.dup(0), "rb", 0)  # without a buffer, in which the end of a run could hide
+    endings = os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
     _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind becomes a child of this process
-    message = READY
-    while True:
-        endings.write(message)
-        endings.flush()
-        try:
-            job, limit = pickle.load(requests)
-        except EOFError:
-            return
+    _give_way()
+    endings.write(READY)
+    endings.flush()
+    while (request := _next(requests)) is not None:
+        if request == NOTHING:  # the run that was not needed any more had already ended
+            continue
+        job, limit, recording = pickle.loads(request)
+        if recording:
+            _read_once(recording)
         if not FORKS:
             endings.write(_answer(job, limit))
             return
         code, answer = _forked(job, limit, requests.fileno(), endings.fileno())
-        message = b"%b\n" % json.dumps([code, answer.decode(errors="replace")]).encode()
+        endings.write(b"%b\n" % json.dumps([code, answer.decode(errors="replace")]).encode())
+        endings.flush()
+
+
+def sent(request: Request) -> bytes:
+    """Return the bytes by which a worker gets a request."""
+    data = pickle.dumps(tuple(request))
+    return struct.pack(_SIZE, len(data)) + data
+
+
+def _next(requests: IO[bytes]) -> bytes | None:
+    """Return the next request, and nothing of what follows it; None if there is none."""
+    parts: list[bytes] = []
+    for wanted in (lambda: struct.calcsize(_SIZE), lambda: struct.unpack(_SIZE, parts[0])[0]):
+        part, size = b"", wanted()
+        while len(part) < size:
+            read = requests.read(size - len(part))
+            if not read:
+                return None
+            part += read
+        parts.append(part)
+    return parts[1]
+
+
+def _give_way() -> None:
+    """Let what a person waits for, such as a lab and its robot, go before the runs."""
+    with suppress(OSError, AttributeError):
+        os.nice(_NICE)
+    with suppress(OSError):  # of Linux: in a session of its own, only this counts
+        Path("/proc/self/autogroup").write_text(str(_NICE))
+
+
+def _read_once(recording: str) -> None:
+    """Read a recording, which runs nothing of it: the process of every run then has it already."""
+    with suppress(LRPError, OSError, MemoryError):  # the run itself fails in the same way, and says so
+        recording_of(recording)
+        gc.collect()
+        gc.freeze()  # the memory of what does not change is shared with the processes of the runs
 
 
 def _prctl(option: int, value: int) -> None:
@@ -92,18 +143,18 @@ def _prctl(option: int, value: int) -> None:
 
 
 def _answer(packed: bytes, limit: float) -> bytes:
-    """Make a run and return its result as a line; unpickling a job may fail, or run any code."""
+    """Make a run and return its answer as a line; unpickling a job may fail, or run any code."""
     # a thread of C, which also ends a call of C that does not return, and a run whose worker is gone
     faulthandler.dump_traceback_later(patience(limit) + _LATER, exit=True)
     try:
         job, memory = pickle.loads(packed)
         _limit(memory, patience(limit))
-        made = attempt(job)
+        answer = job.done()
     except KeyboardInterrupt:  # only a program interrupts this process
-        made = failed("crash", "runs to its end", "It was interrupted.")
+        answer = {"interrupted": True}
     except BaseException as error:
-        made = failed("fault", "can be judged", f"{sentence_of(error)}\n{traceback.format_exc()}")
-    return b"%b\n" % json.dumps(made.to_dict()).encode()
+        answer = {"fault": f"{sentence_of(error)}\n{traceback.format_exc()}"}
+    return b"%b\n" % json.dumps(answer).encode()
 
 
 def _limit(memory: float, seconds: float) -> None:
@@ -149,8 +200,8 @@ def _forked(job: bytes, limit: float, requests: int, endings: int) -> tuple[int 
 def _read(answers: int, requests: int, end: float) -> tuple[bool, bytes]:
     """Return whether a run took too long, or is not needed any more, and what it wrote.
 
-    No request comes before the ending of the last one, so if there is anything to read from that pipe, it
-    is its end: the process that wanted the run is gone.
+    No request comes before the ending of the last one: whatever comes, or the end of the pipe, says that the
+    run is not needed any more.
     """
     data = b""
     while not data.endswith(b"\n") and len(data) <= LARGEST:

@@ -14,7 +14,6 @@ from __future__ import annotations
 import atexit
 import json
 import os
-import pickle
 import secrets
 import signal
 import subprocess
@@ -32,7 +31,7 @@ from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
 from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
 from lrp_jupyter.grading.cluster import Cluster
 from lrp_jupyter.grading.sandbox import check_sandbox, in_sandbox
-from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Ending, Request, patience
+from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Ending, Request, patience, sent
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.running.checkpoints import names_of
@@ -307,7 +306,7 @@ class _Worker:
         self._begin()
         # an OSError: it has ended; a ValueError: it was closed
         with self._at_most(patience(request.limit)) as is_late, suppress(OSError, ValueError):
-            pickle.dump(tuple(request), requests)
+            requests.write(sent(request))
             requests.flush()
             line = endings.readline(8 * LARGEST)  # of which a character may need six
         if not FORKS:
@@ -394,17 +393,25 @@ def _attempt_of(job: Job, ending: Ending) -> Attempt:
     The program may have written it: anything but the answer for this run counts as no answer.
     """
     with suppress(ValueError, RecursionError):
-        return Attempt.from_dict(json.loads(ending.answer)).of(job)
+        match json.loads(ending.answer):
+            case {"fault": str(fault)}:
+                return failed("fault", "can be judged", fault).of(job)
+            case {"interrupted": True}:
+                return failed("crash", "runs to its end", "It was interrupted.").of(job)
+            case answer:
+                return Attempt.from_dict(answer).of(job)
     if ending.code is None:
-        reason = (
-            "One call in a block did not return, such as `sum` of something endless. Let a block do a "
-            "little in each tick, and wait with `ontime`."
-        )
-        return failed("time", f"is computed within {job.limit:g} s", reason).of(job)
-    return failed("crash", "runs to its end", _reason(ending)).of(job)
+        return failed("time", f"is computed within {job.limit:g} s", NO_RETURN).of(job)
+    return failed("crash", "runs to its end", reason_of(ending)).of(job)
 
 
-def _reason(ending: Ending) -> str:
+NO_RETURN = (
+    "One call in a block did not return, such as `sum` of something endless. Let a block do a little in each "
+    "tick, and wait with `ontime`."
+)
+
+
+def reason_of(ending: Ending) -> str:
     """Return why the process of a run has ended without its answer."""
     code = ending.code or 0
     if ending.answer:

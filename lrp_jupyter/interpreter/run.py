@@ -103,7 +103,7 @@ class Run:
         self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
         self.outcomes: dict[tuple[Element, object], list[int]] = {}
-        """How the condition of a transition, with what it means, came out: HELD, FAILED or both, in a list."""
+        """How the condition of a transition, with what it means, came out: HELD, FAILED or both."""
         self.unmeant: Element | None = None  # where the user is typing; its faults are not reported
         self.faulted = False  # whether an issue has occurred, even again, since the last tick or command
         self.stale = False

@@ -49,6 +49,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
+from functools import lru_cache
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -74,7 +75,7 @@ from lrp_jupyter.live.trace import check_line
 from lrp_jupyter.logs import at_line, read_log
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]
+__all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording", "recording_of"]
 
 VERSION = 3
 _LATEST = 1e7  # seconds of a run
@@ -261,6 +262,20 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
         raise FileError(f"`{name}` is not a recording: it contains no complete line.")
     lines = tuple(followed[:complete])
     return Recording(name, start, tuple(entries), lines, cut, code.is_own(), tuple(looks), tuple(clock))
+
+
+def recording_of(path: str | os.PathLike[str]) -> Recording:
+    """Return a recording as `read_recording` does, and remember it as long as the file stays the same."""
+    try:
+        known = os.stat(path)
+        return _recording_of(os.path.abspath(path), known.st_mtime_ns, known.st_size)
+    except OSError:
+        return read_recording(path)  # which says what is wrong
+
+
+@lru_cache(maxsize=64)
+def _recording_of(path: str, _changed: int, _size: int) -> Recording:
+    return read_recording(path)
 
 
 def _memory_of(raw: bytes) -> int:
