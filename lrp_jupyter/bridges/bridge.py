@@ -580,6 +580,11 @@ class SimulatedWorld(ABC):
     def touched(self) -> frozenset[str]:
         """Names of the solids that the robot touched in the tick before the last reading of its sensors."""
 
+    @property
+    @abstractmethod
+    def is_at_start(self) -> bool:
+        """Whether it is as after a reset: a new world of its JSON form would go on in the same way."""
+
     @abstractmethod
     def world_form(self) -> Mapping[str, Any]:
         """Return a JSON form, noise included."""

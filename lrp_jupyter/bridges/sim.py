@@ -535,6 +535,11 @@ class SimBridge(Bridge, SimulatedWorld):
         self.simulation.apply(what)
         self._note(what)
 
+    @property
+    def is_at_start(self) -> bool:
+        """See :class:`SimulatedWorld`."""
+        return self.simulation.is_at_start
+
     def world_form(self) -> Mapping[str, Any]:
         """See :class:`SimulatedWorld`."""
         return self.world.to_dict()

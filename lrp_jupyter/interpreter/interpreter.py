@@ -266,6 +266,11 @@ class Interpreter:
         return self._run.counted("transition")
 
     @property
+    def is_started(self) -> bool:
+        """Whether the program has begun: not before its first tick, nor between a reset and the next tick."""
+        return self._run.started
+
+    @property
     def outcomes(self) -> dict[Path, tuple[bool, bool]]:
         """Whether the condition of each transition ever was True when it was tested, and ever was not.
 

@@ -7,9 +7,12 @@ themselves.
 from __future__ import annotations
 
 import math
+import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import partial
+from pathlib import Path as FilePath
 from types import NoneType
 from typing import Any, TypeVar
 
@@ -21,7 +24,14 @@ from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.past.fork import ForkStart, check_repeated, fork_start, private_namespace, started_again
+from lrp_jupyter.live.past.fork import (
+    ForkStart,
+    check_repeated,
+    fork_start,
+    private_namespace,
+    run_start,
+    started_again,
+)
 from lrp_jupyter.live.past.past_frames import animation_of, frame_at, tick_of
 from lrp_jupyter.live.past.plots import Plot, plotting_named
 from lrp_jupyter.live.past.replay import Entry, Ticked, repeat, tested_again, without_edits
@@ -29,12 +39,15 @@ from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.past.trials import Trial, Trials
 from lrp_jupyter.live.past.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.recorder import Recorder, start_of
 from lrp_jupyter.live.runner import Runner, Until
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame
 from lrp_jupyter.live.running.loop import Loop
+from lrp_jupyter.live.stored.run_files import new_file, runs_folder
 from lrp_jupyter.live.why.answers import Question, element_reason
 from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.logs import open_log
 
 REPEATING = 2.0
 """Wall seconds that a block may take in a fork that others wait for."""
@@ -109,6 +122,27 @@ def fork(session: Asked, at: Moment, program: str | Program | None, inputs: bool
     """Return an independent copy of a session, now or after an earlier tick."""
     other = _parsed(session, program)
     return _going_on(session, _start_of(session, at), other, inputs)
+
+
+def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> FilePath:
+    """Write a recording of the present run, made by repeating it."""
+    check_type("name", name, str, "a name")
+    session._driver.refuse_inside("keep")
+    start = session._value("keep", run_start)
+    path = new_file(runs_folder(session.name) if folder is None else folder, name or "run")
+    recorders: list[Recorder] = []
+
+    def record(copy: Runner) -> None:
+        began = replace(start_of(copy._loop), bridge=session.bridge.name)
+        recorders.append(Recorder(copy._loop, stream.write, began))
+
+    try:
+        with open_log(path) as stream, _forked(session, start, record):
+            recorders[0].end()
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+    return path
 
 
 def _parsed(session: Runner, program: str | Program | None) -> Program | None:
@@ -243,8 +277,11 @@ def _tried(
     )
 
 
-def _forked(session: Asked, start: ForkStart) -> Asked:
-    """Return a copy of a session, at the moment for which it was prepared."""
+def _forked(session: Asked, start: ForkStart, begun: Callable[[Asked], object] = lambda copy: None) -> Asked:
+    """Return a copy of a session, at the moment for which it was prepared.
+
+    `begun`: called with the copy before it repeats anything.
+    """
     checkpoint = start.checkpoint
     copy = type(session)(
         checkpoint.snapshot.program,
@@ -256,6 +293,7 @@ def _forked(session: Asked, start: ForkStart) -> Asked:
     )
     with copy._closed_on_error():
         copy._loop.begin(checkpoint)
+        begun(copy)
         if start.entries:
             _repeat(copy, start.entries)
         if start.recorded is not None:

@@ -39,6 +39,7 @@ class Recorder(Trace):
     If the recording fails, because the disk is full or a value cannot be written, it ends; the session
     continues.
 
+    `start`: without it, only lines are written, and nothing is registered as this user's own.
     `looking`: whether it also contains what a person looked at, and the wall time of that and of inputs.
     """
 
@@ -59,6 +60,8 @@ class Recorder(Trace):
         self._table = loop.bridge.nodes.table
         self._members = [] if start is None else start.members  # as they were written last
         self._code = None if start is None else RecordedCode()
+        ticks, seconds = loop.interpreter.tick, loop.timing.now
+        self._before = (ticks, seconds) if start is not None and ticks else None  # what is not recorded
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
             self.line({"lrplog": VERSION, **parts})
@@ -68,6 +71,9 @@ class Recorder(Trace):
 
     def line(self, entry: Mapping[str, Any]) -> None:
         """Write a line; register its code as this user's own."""
+        if self._before is not None and "tick" in entry:
+            ticks, seconds = self._before
+            entry = {**entry, "tick": entry["tick"] - ticks, "time": round(entry["time"] - seconds, 9)}
         super().line(entry)
         if self._code is not None:
             self._code.note(entry)

@@ -544,6 +544,34 @@ class Session(Runner):
                 else:
                     self.call(recorder.end)
 
+    def keep(self, name: str = "", folder: str | os.PathLike[str] | None = None) -> FilePath:
+        """Write a recording of the present run, from its beginning until now, beside the program.
+
+        A run begins where the program begins in a world that is at its start: when the session is started,
+        and after a reset of both. Its recording is an example with which the program can be run again: see
+        `lrp test`.
+
+        Parameters
+        ----------
+        name : str
+            Of the run; by default `run`. If there is one of that name, it gets a number.
+        folder : str or path, optional
+            By default ``NAME.runs`` in the current folder, after the name of the session.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        ValueError
+            The run did not begin at a start, or that is no longer remembered; or it cannot be repeated.
+        FileError
+            The file cannot be written.
+        """
+        return questions.keep(self, name, folder)
+
     def record_until_closed(self, path: str | os.PathLike[str]) -> None:
         """Write a recording, with what a person looks at, until the session is closed: see `record`.
 

@@ -108,6 +108,7 @@ class Simulation:
         self.drained: Callable[[Input], object] | None = None  # called with each queued input when applied
         self._inputs = 0
         self._base = 0
+        self._is_fresh = True  # whether nothing has moved, placed or switched anything since the last reset
         self._log = InputLog()
         self._space = fresh_space(self._clock)
         self.is_closed = False
@@ -140,6 +141,11 @@ class Simulation:
     def time_since_start(self) -> float:
         """Seconds of the world since its last reset."""
         return (self.steps - self._base) * STEP
+
+    @property
+    def is_at_start(self) -> bool:
+        """Whether the world is as after a reset: a new one of its description would go on in the same way."""
+        return self._is_fresh and self.steps == self._base
 
     @property
     def robot(self) -> SimRobot:
@@ -292,6 +298,9 @@ class Simulation:
         """Record and apply an input; a replay applies recorded inputs here, too."""
         self._log.record(self.steps, what)
         self._inputs += 1
+        is_halt = isinstance(what, Cancel) or (isinstance(what, Drive) and not (what.linear or what.angular))
+        if not (is_halt or isinstance(what, (Latch, WorldEdit, ResetWorld))):
+            self._is_fresh = False
         match what:
             case Latch():
                 self._latch()
@@ -436,6 +445,7 @@ class Simulation:
         self._base = self.steps
         self._random.seed(self.world.seed)
         self._start()
+        self._latch()  # as when a bridge is opened: the noise goes on as in a new world
         self._checkpoint(between_inputs=True)
 
     # -- rewinding ----------------------------------------------------------------------------
@@ -548,6 +558,7 @@ class Simulation:
         """Return to a checkpoint, and repeat the run from there to a step, with its inputs."""
         self._clock.steps, self._inputs = checkpoint.moment
         self._base = checkpoint.base
+        self._is_fresh = False  # or it is not known
         self.world = checkpoint.world
         self._place_solids()
         del checkpoint.marks[checkpoint.mark_count :]
@@ -564,6 +575,7 @@ class Simulation:
         self._advance_to(step)
 
     def _start(self) -> None:
+        self._is_fresh = True
         for robot in self.robots:
             robot.start()
         robots = [robot.start_motion for robot in self.robots]

@@ -737,6 +737,8 @@ OF_LATER = {
     "explain",
     "why",
     "why_not",
+    "coverage",
+    "keep",
     "fork",
     "what_if",
     "try_programs",

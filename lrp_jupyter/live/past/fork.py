@@ -47,6 +47,27 @@ class ForkStart(NamedTuple):
     namespace: Mapping[str, Any] = MappingProxyType({})
 
 
+def run_start(loop: Loop) -> ForkStart:
+    """Return the parts of a copy now, made from the last beginning of the program in a world at its start.
+
+    Raises ValueError: there was none, or it is no longer remembered.
+    """
+    loop.settle()
+    begun, record = loop.record.begun, loop.record
+    if begun is None:
+        raise ValueError(
+            "This run did not begin at the start: the program was reset, but not its world. Begin a new run."
+        )
+    if begun.tick < loop.interpreter.tick - len(record.moments) or begun.inputs < record.inputs.lost:
+        ago = loop.timing.now - begun.time
+        raise ValueError(
+            f"This run began {ago / 60:.0f} minutes ago, which is no longer remembered. Begin a new run."
+        )
+    if begun.tick == loop.interpreter.tick:
+        raise ValueError("No tick has run yet. Run the program first.")
+    return _start_from(loop, begun, loop.interpreter.tick)
+
+
 def fork_start(loop: Loop, at: int | None) -> ForkStart:
     """Return the parts of a copy, now or after an earlier tick; called between two ticks.
 
@@ -69,6 +90,12 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         every = record.checkpoints.all
         known = f"Choose one from {max(every[0].tick, first)} to {now}." if every else "None is."
         raise ValueError(f"Tick {at} is not remembered. {known}")
+    return _start_from(loop, found, at)
+
+
+def _start_from(loop: Loop, found: SessionCheckpoint, at: int) -> ForkStart:
+    """Return the parts of a copy after a tick, made from a checkpoint before it."""
+    now, record = loop.interpreter.tick, loop.record
     bridge = _forked(loop.bridge, found.moment, found.tasks)
     feeds = isinstance(bridge, RecordedBridge)
     moments = [record.moment(tick) for tick in range(found.tick + 1, now + 1)]

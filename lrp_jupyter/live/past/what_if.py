@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import zip_longest
 from operator import attrgetter
 
-from lrp_jupyter.language.program import path_text
+from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.past.timeline import Happening, happenings, lanes_of_shared, present
 from lrp_jupyter.live.running.loop import Loop
 
@@ -58,11 +58,15 @@ class Course:
 
 @dataclass(frozen=True, slots=True)
 class Divergence:
-    """The first difference between two courses, in words."""
+    """The first difference between two courses, in words.
+
+    `lane`: the machine in which it is, as spawned; empty if it is in none.
+    """
 
     tick: int
     time: float
     text: str
+    lane: Path = field(default=(), compare=False)
 
     def __str__(self) -> str:
         return f"{self.time:.1f} s: {self.text}"
@@ -133,7 +137,7 @@ class Observation:
 
 def divergence(recorded: Course, changed: Course) -> Divergence | None:
     """Return the first difference between two courses from the same moment, or None."""
-    first = _first_event(recorded.happenings, changed.happenings)
+    first = first_event(recorded.happenings, changed.happenings)
     for name, way in {"": changed.way, **changed.others}.items():
         other = recorded.others.get(name, ()) if name else recorded.way
         for tick, (before, after) in enumerate(zip(other, way, strict=False), changed.tick + 1):
@@ -150,7 +154,8 @@ _told = attrgetter("time", "kind", "lane", "state", "call")
 """The features of a happening that are equal in two programs with the same behaviour."""
 
 
-def _first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) -> Divergence | None:
+def first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) -> Divergence | None:
+    """Return the first thing that happened in one of two runs and not in the other, or None."""
     before = [each for each in recorded if each.kind in _VERBS]
     after = [each for each in changed if each.kind in _VERBS]
     shared = lanes_of_shared([*before, *after])
@@ -163,12 +168,13 @@ def _first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) ->
             continue
         if new is None or (old is not None and old.tick < new.tick):
             _, does_not, does = _VERBS[old.kind]
-            return Divergence(old.tick, old.time, f"{what(old)} {does_not}; in the original run it {does}.")
+            text = f"{what(old)} {does_not}; in the original run it {does}."
+            return Divergence(old.tick, old.time, text, old.lane)
         now, _, does = _VERBS[new.kind]
         text = f"{what(new)} {now}; in the original run it {does} not."
         if old is not None and (new.tick, new.kind, new.lane) == (old.tick, old.kind, old.lane):
             text = f"{what(new)} {now} instead of {what(old)}."
-        return Divergence(new.tick, new.time, text)
+        return Divergence(new.tick, new.time, text, new.lane)
     return None
 
 

@@ -514,6 +514,7 @@ class Loop:
             if self.interpreter.restarts != restarts:  # no onexit has run, so everything must stop
                 self.bridge.stop_all()
                 self.bridge.requested.drop()
+                record.pending_at = 0.0  # the program begins at the next tick
 
     def _check_whole(self) -> None:
         if self.fault:

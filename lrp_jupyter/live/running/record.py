@@ -106,6 +106,8 @@ class Record:
         self.checkpoints = Checkpoints()
         self.names = WatchedNames(interpreter.namespace)
         self.watch()
+        self.begun: SessionCheckpoint | None = None
+        """The last beginning of the program in a world that was at its start, too."""
         self.pending_at = 0.0
         """The earliest time with something to do before a tick: take a checkpoint, record a stop."""
         self.written: Callable[[Input], object] | None = None
@@ -246,17 +248,23 @@ class Record:
     def prepare(self, running: bool) -> None:
         """Record the stops of other threads, and take a checkpoint if one is due."""
         self.note_stops()
-        if not self._remembers:
-            self.pending_at = math.inf
-        else:
-            tick, timing = self._interpreter.tick, self._timing
-            if tick >= self.checkpoints.due:
-                self.checkpoints.add(lambda: self.checkpoint(running))
-                self._forget()
-            period = 0.0 if timing.free else timing.period
-            self.pending_at = timing.now + (self.checkpoints.due - tick) * period
+        self.pending_at = math.inf
+        if self._remembers:
+            self._remember(running)
         if self._stops:  # added since then by a thread whose `pending_at` has been overwritten
             self.pending_at = 0.0
+
+    def _remember(self, running: bool) -> None:
+        """Take a checkpoint if one is due, and keep that of a beginning; see when the next one is due."""
+        tick, timing, world = self._interpreter.tick, self._timing, self._bridge.simulated
+        taken: SessionCheckpoint | None = None
+        if tick >= self.checkpoints.due:
+            taken = self.checkpoints.add(lambda: self.checkpoint(running))
+            self._forget()
+        if not self._interpreter.is_started and (world is None or world.is_at_start):
+            self.begun = taken or self.checkpoint(running)
+        period = 0.0 if timing.free else timing.period
+        self.pending_at = timing.now + (self.checkpoints.due - tick) * period
 
     def _forget(self) -> None:
         """Drop everything that no tick of the journal needs: the journal bounds the whole record."""
@@ -275,6 +283,7 @@ class Record:
         self.moments.clear()
         self.inputs.clear()
         self.checkpoints.clear()
+        self.begun = None
         self.pending_at = 0.0
 
     # -- going back ------------------------------------------------------------------------------
@@ -310,6 +319,8 @@ class Record:
         undone = self.inputs.undo(interpreter.tick, _is_of_the_world)
         self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
         self.checkpoints.cut(interpreter.tick)
+        if self.begun is not None and self.begun.tick > interpreter.tick:
+            self.begun = None
         self.pending_at = 0.0
         for what in kept:
             self.inputs.keep(self.inputs.next(interpreter.tick, timing.now, what))
