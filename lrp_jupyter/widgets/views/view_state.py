@@ -163,6 +163,8 @@ class ViewStates:
             "goal": None if self._goal is None else self._goal.view(session, texts.text),
             "criteria": [] if self._goal is None else self._goal.criteria(),
             "attempts": {} if self._goal is None else self._goal.attempts(),
+            "runs": self._runs.view(),
+            "kept_runs": self._runs.kept(),
         }
 
     def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:

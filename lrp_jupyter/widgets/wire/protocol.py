@@ -72,6 +72,8 @@ OnActiveEdit = Literal["restart", "keep"]
 Edits = Literal["live", "hold"]
 GraphMode = Literal["live", "static", "hidden"]
 CriterionState = Literal["open", "so far", "met", "failed"]
+RunVerdict = Literal["waiting", "passed", "failed", "problem"]
+OneWay = Literal["never true", "never false", "never tested"]
 ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
 CountAndTick = tuple[int, int]
 """How often something happened since the session began, and the tick of the last time."""
@@ -445,6 +447,42 @@ class GoalView(TypedDict):
     trail: list[tuple[float, float, float, str]]  # of a run shown then: time, x, y, innermost active state
 
 
+class KeptRunView(TypedDict):
+    """A run that is kept beside the program, run again with the present text."""
+
+    expected: str  # what is expected of it, in one line
+    seconds: float  # its length; 0 until it has been run again
+    state: RunVerdict
+    reason: str  # why it failed, or why there is no verdict; else empty
+    differs: tuple[float, str] | None  # the first difference from the recording: seconds, a sentence
+    open_loop: str  # a sentence, if recorded readings do not answer to what is commanded any more; else empty
+    lane: str  # the machine that the strips are of, as spawned
+    recorded: list[tuple[float, str]]  # when (s) it entered which state, by path of definition; "": it ended
+    now: list[tuple[float, str]]
+    issues: int  # that the program has at the end
+
+
+class CoverageView(TypedDict):
+    """What the kept runs have reached of the program, by path of definition: the numbers of the runs."""
+
+    states: dict[str, list[int]]  # in which each state was entered
+    transitions: dict[str, list[int]]  # in which each transition fired
+    conditions: dict[str, OneWay]  # of transitions: how those came out that did not come out both ways
+
+
+class RunsView(TypedDict):
+    """The runs that are kept beside a program; ``kept_runs`` are the runs."""
+
+    folder: str  # where new ones are kept
+    attached: list[str]  # further folders
+    names: list[str]  # of the runs, in the order in which they are shown
+    waiting: int  # runs that have not been run again with the present text
+    expected: str  # what to expect of the present run if it is kept, as a proposal
+    keeps: str  # why the present run cannot be kept; empty if it can
+    coverage: CoverageView | None  # None until all runs have been run again
+    error: str  # why the runs cannot be shown or run again
+
+
 class ChoicesView(TypedDict):
     """Names of the bridges, of worlds (bundled ones and files), of the bundled programs."""
 
@@ -500,6 +538,8 @@ class ViewState(TypedDict):
     goal: GoalView | None
     criteria: list[CriterionView]  # what the criteria of the challenge say of the present run
     attempts: dict[str, AttemptView]  # by the number of a run of the check
+    runs: RunsView | None  # None where there are none, as in the page of a lesson
+    kept_runs: dict[str, KeptRunView]  # by name
 
 
 class FrameMessage(ViewState, total=False):

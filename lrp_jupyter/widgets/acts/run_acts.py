@@ -1,0 +1,56 @@
+"""What a page can do with the runs that are kept beside the program."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from lrp_jupyter.widgets.acts.messages import OpenProgram, act
+from lrp_jupyter.widgets.acts.program_acts import Applied
+
+
+@act(30.0)
+def keep_run(opened: OpenProgram, name: str = "", expected: str = "") -> Applied:
+    """Keep the present run, from its beginning until now, under a name, and what is expected of it."""
+    return opened.work(partial(opened.runs.keep, opened.session, name, expected))
+
+
+@act(is_present=True)
+def new_run(opened: OpenProgram) -> Applied:
+    """Put the world back to its start, and start the program again: what follows can be kept."""
+    return opened.work(partial(opened.runs.begin, opened.session))
+
+
+@act()
+def expect(opened: OpenProgram, name: str, expected: str) -> None:
+    """Write what is expected of a kept run: one line."""
+    opened.runs.expect(name, expected)
+
+
+@act(30.0)
+def show_run(opened: OpenProgram, name: str) -> Applied:
+    """Run a kept run again in the lab, and look at its first difference, or where it fails."""
+    return opened.work(partial(opened.runs.show, opened, name))
+
+
+@act(30.0)
+def accept_run(opened: OpenProgram, name: str) -> Applied:
+    """Take what a kept run is with the present program as what was recorded."""
+    return opened.work(partial(opened.runs.accept, name))
+
+
+@act()
+def rename_run(opened: OpenProgram, name: str, new_name: str) -> None:
+    """Give a kept run another name."""
+    opened.runs.rename(name, new_name)
+
+
+@act()
+def forget_run(opened: OpenProgram, name: str) -> None:
+    """Delete a kept run; its file goes to the folder ``.removed`` among the runs."""
+    opened.runs.forget(name)
+
+
+@act()
+def attach_runs(opened: OpenProgram, folder: str) -> None:
+    """Show and run the recordings of another folder, too."""
+    opened.runs.attach(folder)
