@@ -242,7 +242,9 @@ describe("a preview", () => {
   });
 
   it("leaves alone what was asked about the past", async () => {
-    const past = whatIf(1, { divergence: { tick: 20, time: 2, text: "The robot takes another way." } });
+    const past = whatIf(1, {
+      divergence: { tick: 20, time: 2, text: "The robot takes another way.", lane: [] },
+    });
     await answer({ what_if: whatIf(5) });
     await set({ looking: { tick: 10, time: 1, ago: 4, edited: true }, whatIf: past, time: 1 });
     preview.check([2, 2, 0]);
