@@ -60,7 +60,7 @@ describe("a ghost", () => {
   });
 
   it("parts from the recorded way where the first difference is", () => {
-    const divergence = { tick: 20, time: 2, text: "`b` is entered, unlike before." };
+    const divergence = { tick: 20, time: 2, text: "`b` is entered, unlike before.", lane: "" };
     expect(partingOf(whatIf(0, { divergence }))).toEqual([0.2, 1]);
     expect(partingOf(whatIf(3, { divergence }))).toEqual([expect.closeTo(0.3), 1]); // before the first pose
     expect(partingOf(whatIf())).toBeNull();
@@ -243,7 +243,7 @@ describe("a preview", () => {
 
   it("leaves alone what was asked about the past", async () => {
     const past = whatIf(1, {
-      divergence: { tick: 20, time: 2, text: "The robot takes another way.", lane: [] },
+      divergence: { tick: 20, time: 2, text: "The robot takes another way.", lane: "" },
     });
     await answer({ what_if: whatIf(5) });
     await set({ looking: { tick: 10, time: 1, ago: 4, edited: true }, whatIf: past, time: 1 });
