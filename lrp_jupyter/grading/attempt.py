@@ -6,16 +6,17 @@ import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError, printable
+from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
 from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria.criterion import State, Verdict
 from lrp_jupyter.grading.hints import hints_of
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.grading.run_clock import with_run_clock
 from lrp_jupyter.grading.run_record import RunRecord
+from lrp_jupyter.grading.untrusted import number_in, one_of, share_in, text_in
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
@@ -41,6 +42,7 @@ class Job:
     seed: int
     limit: float
     namespace: Mapping[str, Any] = field(default_factory=dict)
+    recording: ClassVar[str] = ""
 
     @property
     def durations(self) -> tuple[float, ...]:
@@ -50,9 +52,22 @@ class Job:
             return (first, *[(self.task.seconds - first) / others] * others)
         return (self.task.seconds / len(self.texts),) * len(self.texts)
 
+    @property
+    def key(self) -> object:
+        """What identifies the program: the same texts for another challenge are another one."""
+        return self.texts, self.task.name
+
     def done(self) -> dict[str, Any]:
         """Make the run, and return the plain data of its attempt."""
         return attempt(self).to_dict()
+
+    def made(self, data: Any) -> Attempt:
+        """Return the attempt that plain data describes. Raises ValueError: it describes none at this job."""
+        return Attempt.from_dict(data).of(self)
+
+    def failed(self, ended: Ended, sentence: str, reason: str) -> Attempt:
+        """Return an attempt of which nothing is known but why it ended."""
+        return failed(ended, sentence, reason).of(self)
 
     @property
     def world_name(self) -> str:
@@ -119,14 +134,14 @@ class Attempt(NamedTuple):
         """
         try:
             return cls(
-                world=_text(data["world"]),
-                seed=_number(data["seed"], int),
-                seconds=_number(data["seconds"]),
+                world=text_in(data["world"]),
+                seed=number_in(data["seed"], int),
+                seconds=number_in(data["seconds"]),
                 verdicts=tuple(map(_verdict, data["verdicts"])),
-                hints=tuple(map(_text, data["hints"])),
-                share=_share(data["share"]),
-                ended=_one_of(data["ended"], get_args(Ended)),
-                path=tuple((_number(x), _number(y)) for x, y in data["path"]),
+                hints=tuple(map(text_in, data["hints"])),
+                share=share_in(data["share"]),
+                ended=one_of(data["ended"], get_args(Ended)),
+                path=tuple((number_in(x), number_in(y)) for x, y in data["path"]),
             )
         except (TypeError, LookupError) as error:
             raise ValueError("This is no attempt.") from error
@@ -136,45 +151,21 @@ class Attempt(NamedTuple):
 
         Raises ValueError: it is not judged by the criteria of the challenge.
         """
-        expected = [_text(each.sentence) for each in job.task.criteria]
+        expected = [text_in(each.sentence) for each in job.task.criteria]
         judged = [verdict.sentence for verdict in self.verdicts]
         if not self.ended and judged[: len(expected)] != expected:
             raise ValueError("This is an attempt at another challenge.")
         return self._replace(world=job.world_name, seed=job.seed)
 
 
-_LONGEST = 10_000  # characters of a text of an attempt
-
-
-def _text(value: object) -> str:
-    """Return a text without what a terminal obeys and no file can hold; a program may have written it."""
-    if not isinstance(value, str):
-        raise TypeError("An attempt has something else than a text.")
-    return printable(value[:_LONGEST], "\n\t")
-
-
-def _number(value: Any, *kinds: type) -> Any:
-    if type(value) not in (kinds or (int, float)) or not -1e15 < value < 1e15:
-        raise TypeError("An attempt has something else than a number that can be shown.")
-    return value
-
-
-def _share(value: Any) -> Any:
-    return min(1, max(0, _number(value)))
-
-
-def _one_of(value: Any, values: Sequence[Any]) -> Any:
-    return values[values.index(value)]  # a ValueError: it is none of them
-
-
 def _verdict(data: Any) -> Verdict:
     return Verdict(
-        _text(data["sentence"]),
-        _one_of(data["passed"], (True, False)),
-        _text(data["reason"]),
-        _share(data["share"]),
-        _one_of(data["state"], get_args(State)),
-        None if data["decided"] is None else _number(data["decided"]),
+        text_in(data["sentence"]),
+        one_of(data["passed"], (True, False)),
+        text_in(data["reason"]),
+        share_in(data["share"]),
+        one_of(data["state"], get_args(State)),
+        None if data["decided"] is None else number_in(data["decided"]),
     )
 
 

@@ -103,7 +103,11 @@ def main() -> None:
 
 def sent(request: Request) -> bytes:
     """Return the bytes by which a worker gets a request."""
-    data = pickle.dumps(tuple(request))
+    return framed(pickle.dumps(tuple(request)))
+
+
+def framed(data: bytes) -> bytes:
+    """Return data with its length before it."""
     return struct.pack(_SIZE, len(data)) + data
 
 

@@ -19,19 +19,30 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Collection, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, InvalidStateError, ThreadPoolExecutor, wait
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from lrp_jupyter.arguments import check_number
 from lrp_jupyter.errors import LRPError, ended, printable, sentence_of
-from lrp_jupyter.grading.attempt import Attempt, Job, attempt, failed
+from lrp_jupyter.grading.attempt import Ended
 from lrp_jupyter.grading.cluster import Cluster
 from lrp_jupyter.grading.sandbox import check_sandbox, in_sandbox
-from lrp_jupyter.grading.worker import FORKS, LARGEST, LOST, READY, Ending, Request, patience, sent
+from lrp_jupyter.grading.worker import (
+    FORKS,
+    LARGEST,
+    LOST,
+    NOTHING,
+    READY,
+    Ending,
+    Request,
+    framed,
+    patience,
+    sent,
+)
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.running.checkpoints import names_of
@@ -41,6 +52,60 @@ from lrp_jupyter.process import python_of
 def processors() -> int:
     """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Made(Protocol):
+    """What came of a run."""
+
+    @property
+    def ended(self) -> str:
+        """Why it did not come to its end; empty if it did."""
+
+
+Result = TypeVar("Result", bound=Made)
+Result_co = TypeVar("Result_co", bound=Made, covariant=True)
+
+
+class Run(Protocol[Result_co]):
+    """One run that is to be made, here or, pickled, in a worker."""
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The texts of its program."""
+
+    @property
+    def namespace(self) -> Mapping[str, Any]:
+        """Names that blocks can read."""
+
+    @property
+    def limit(self) -> float:
+        """Wall seconds that it may take."""
+
+    @property
+    def recording(self) -> str:
+        """The file of the recording that it runs again; empty if it runs none."""
+
+    @property
+    def key(self) -> object:
+        """What identifies its program."""
+
+    def done(self) -> dict[str, Any]:
+        """Make it, and return plain data."""
+
+    def made(self, data: Any) -> Result_co:
+        """Return what plain data describes. Raises ValueError: it is not what this run can return."""
+
+    def failed(self, ended: Ended, sentence: str, reason: str) -> Result_co:
+        """Return what is known of a run that did not come to its end."""
+
+
+class Halt(Future[None]):
+    """Set from another thread, it ends runs."""
+
+    def set(self) -> None:
+        """End them; a second call does nothing."""
+        with suppress(InvalidStateError):
+            self.set_result(None)
 
 
 class HowRun(NamedTuple):
@@ -79,12 +144,12 @@ class HowRun(NamedTuple):
 
 
 def run_jobs(
-    jobs: Sequence[Job],
+    jobs: Sequence[Run[Result]],
     how: HowRun = HowRun(),  # noqa: B008  (an immutable value)
     *,
     stop_at_end: bool = False,
-    halt: threading.Event | None = None,
-) -> Iterator[tuple[int, Attempt]]:
+    halt: Halt | None = None,
+) -> Iterator[tuple[int, Result]]:
     """Make runs, several at a time, and yield each with its index as it is done.
 
     Closing the iterator early ends the runs that have begun.
@@ -92,11 +157,10 @@ def run_jobs(
     `stop_at_end`: whether no other run of a program is begun after one that took too long, crashed or is not
         a valid program. Where there are several programs, the second run of each waits for the first one, so
         that a program that hangs does not hold up the others.
-    `halt`: set from another thread, it ends the runs.
     Raises LRPError: a name of the notebook cannot be sent to another process, or the cluster cannot be
         reached.
     """
-    batch = _Batch(jobs, how.memory, stop_at_end, halt or threading.Event())
+    batch = _Batch(jobs, how.memory, stop_at_end, halt or Halt())
     if sys.platform == "emscripten":
         yield from batch.made_here()
         return
@@ -106,29 +170,30 @@ def run_jobs(
         yield from batch.made_by(crew)
 
 
-class _Batch:
+class _Batch(Generic[Result]):
     """Runs, in the order in which they begin.
 
     One that is lost is made again, alone, as are those of its program that had not begun: another program may
     have ended its process.
     """
 
-    def __init__(self, jobs: Sequence[Job], memory: float, stop_at_end: bool, halt: threading.Event) -> None:
+    def __init__(self, jobs: Sequence[Run[Result]], memory: float, stop_at_end: bool, halt: Halt) -> None:
         self._jobs, self._memory, self._stop_at_end, self._halt = jobs, memory, stop_at_end, halt
         self._waiting = list(range(len(jobs)))
         self._lost: list[int] = []
         self._is_alone = False  # whether those are made again
-        programs = set(map(_program, jobs))
+        programs = {job.key for job in jobs}
         self._proven = set() if stop_at_end and len(programs) > 1 else programs  # any number runs at a time
         self._has_ended = False  # whether any run has
 
-    def made_here(self) -> Iterator[tuple[int, Attempt]]:
+    def made_here(self) -> Iterator[tuple[int, Result]]:
         """Make the runs in this process, one after the other."""
         while self._waiting:
             index = self._waiting.pop(0)
-            yield index, self._end(index, attempt(self._jobs[index]))
+            job = self._jobs[index]
+            yield index, self._end(index, job.made(job.done()))
 
-    def made_by(self, crew: _Processors | Cluster) -> Iterator[tuple[int, Attempt]]:
+    def made_by(self, crew: _Processors | Cluster) -> Iterator[tuple[int, Result]]:
         """Have a crew make the runs."""
         running: dict[Future[Ending], int] = {}
         while True:
@@ -136,10 +201,11 @@ class _Batch:
                 running[crew.submit(_packed(self._jobs[index], self._memory))] = index
             if not running:
                 return
-            done, _ = wait(running, timeout=crew.patience, return_when=FIRST_COMPLETED)
-            if self._halt.is_set():
+            everything: list[Future[Any]] = [*running, self._halt]
+            done, _ = wait(everything, timeout=crew.patience, return_when=FIRST_COMPLETED)
+            if self._halt.done():
                 return
-            for future in sorted(done, key=running.__getitem__):
+            for future in sorted(running.keys() & done, key=running.__getitem__):
                 index = running.pop(future)
                 if (made := self._made(index, crew, future)) is not None:
                     yield index, self._end(index, made)
@@ -151,13 +217,13 @@ class _Batch:
             close_workers()  # those that are idle may be stopped, too
         if len(running) >= (1 if self._is_alone else size):
             return None
-        busy = {_program(self._jobs[index]) for index in running} - self._proven
-        index = next((each for each in self._waiting if _program(self._jobs[each]) not in busy), None)
+        busy = {self._jobs[index].key for index in running} - self._proven
+        index = next((each for each in self._waiting if self._jobs[each].key not in busy), None)
         if index is not None:
             self._waiting.remove(index)
         return index
 
-    def _made(self, index: int, crew: _Processors | Cluster, future: Future[Ending]) -> Attempt | None:
+    def _made(self, index: int, crew: _Processors | Cluster, future: Future[Ending]) -> Result | None:
         """Return what came of a run; None if it is to be made again."""
         job = self._jobs[index]
         try:
@@ -169,25 +235,20 @@ class _Batch:
         if ending == LOST and not self._is_alone:
             self._lost += [index, *self._withdraw(job)]
             return None
-        return _attempt_of(job, ending)
+        return _made_of(job, ending)
 
-    def _end(self, index: int, made: Attempt) -> Attempt:
+    def _end(self, index: int, made: Result) -> Result:
         self._has_ended = True
-        self._proven.add(_program(self._jobs[index]))
+        self._proven.add(self._jobs[index].key)
         if made.ended and self._stop_at_end:
             self._withdraw(self._jobs[index])
         return made
 
-    def _withdraw(self, job: Job) -> list[int]:
+    def _withdraw(self, job: Run[Result]) -> list[int]:
         """Take the runs of a job's program from those that wait, and return them."""
-        found = [index for index in self._waiting if _program(self._jobs[index]) == _program(job)]
+        found = [index for index in self._waiting if self._jobs[index].key == job.key]
         self._waiting = [index for index in self._waiting if index not in found]
         return found
-
-
-def _program(job: Job) -> tuple[tuple[str, ...], str]:
-    """Return what identifies a program: the same texts for another challenge are another one."""
-    return job.texts, job.task.name
 
 
 class _Processors:
@@ -235,7 +296,7 @@ class _Processors:
     def close(self) -> None:
         self._is_closed = True
         for worker in self._busy.copy():
-            worker.close()
+            worker.abandon()
         self._pool.shutdown()
 
 
@@ -345,6 +406,15 @@ class _Worker:
         finally:
             timer.cancel()
 
+    def abandon(self) -> None:
+        """End the run that it makes, which is not needed any more."""
+        if not FORKS:
+            self._kill()
+            return
+        with suppress(OSError, ValueError):  # it has ended, or was closed
+            self._pipes[0].write(framed(NOTHING))
+            self._pipes[0].flush()
+
     def _code(self) -> int:
         try:
             return self.process.wait(_ENDING)
@@ -387,31 +457,29 @@ def _unstarted(reason: str) -> LRPError:
     )
 
 
-def _attempt_of(job: Job, ending: Ending) -> Attempt:
-    """Return the attempt that a worker's answer describes.
+def _made_of(job: Run[Result], ending: Ending) -> Result:
+    """Return what a worker's answer describes.
 
     The program may have written it: anything but the answer for this run counts as no answer.
     """
     with suppress(ValueError, RecursionError):
         match json.loads(ending.answer):
             case {"fault": str(fault)}:
-                return failed("fault", "can be judged", fault).of(job)
+                return job.failed("fault", "can be judged", fault)
             case {"interrupted": True}:
-                return failed("crash", "runs to its end", "It was interrupted.").of(job)
+                return job.failed("crash", "runs to its end", "It was interrupted.")
             case answer:
-                return Attempt.from_dict(answer).of(job)
+                return job.made(answer)
     if ending.code is None:
-        return failed("time", f"is computed within {job.limit:g} s", NO_RETURN).of(job)
-    return failed("crash", "runs to its end", reason_of(ending)).of(job)
+        reason = (
+            "One call in a block did not return, such as `sum` of something endless. Let a block do a "
+            "little in each tick, and wait with `ontime`."
+        )
+        return job.failed("time", f"is computed within {job.limit:g} s", reason)
+    return job.failed("crash", "runs to its end", _reason(ending))
 
 
-NO_RETURN = (
-    "One call in a block did not return, such as `sum` of something endless. Let a block do a little in each "
-    "tick, and wait with `ontime`."
-)
-
-
-def reason_of(ending: Ending) -> str:
+def _reason(ending: Ending) -> str:
     """Return why the process of a run has ended without its answer."""
     code = ending.code or 0
     if ending.answer:
@@ -441,7 +509,7 @@ def reason_of(ending: Ending) -> str:
     )
 
 
-def _packed(job: Job, memory: float) -> Request:
+def _packed(job: Run[Result], memory: float) -> Request:
     """Pickle a job with those names of its namespace that its blocks use, and what they need in turn.
 
     Raises LRPError: a name cannot be sent.
@@ -463,4 +531,6 @@ def _packed(job: Job, memory: float) -> Request:
                 f"The program uses `{name}`, which cannot be sent to the process that grades it "
                 f"({sentence_of(error)}). Let it use functions and plain values only."
             ) from error
-    return Request(cloudpickle.dumps((replace(job, namespace=names), memory)), job.limit)
+    sendable: Any = job  # every kind of run is a dataclass
+    sendable = replace(sendable, namespace=names)
+    return Request(cloudpickle.dumps((sendable, memory)), job.limit, job.recording)

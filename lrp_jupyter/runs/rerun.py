@@ -8,13 +8,15 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, get_args
 
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
+from lrp_jupyter.grading.attempt import Ended
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.grading.untrusted import number_in, one_of, text_in
 from lrp_jupyter.interpreter.journal import TICKS
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.language.diff import diff
@@ -95,6 +97,8 @@ class Outcome(NamedTuple):
     issues: int = 0
     problem: str = ""
 
+    ended: Ended = ""
+
     @property
     def passed(self) -> bool:
         """Whether everything that is expected holds."""
@@ -104,6 +108,51 @@ class Outcome(NamedTuple):
     def reason(self) -> str:
         """Why it did not pass; empty if it did."""
         return self.problem or next((each.reason for each in self.found if not each.passed), "")
+
+    @classmethod
+    def from_dict(cls, data: Any) -> Outcome:
+        """Return the outcome that plain data describes. Raises ValueError: it describes none."""
+        try:
+            return cls(
+                tuple(
+                    Found(text_in(part), one_of(passed, (True, False)), text_in(reason), _maybe(time))
+                    for part, passed, reason, time in data["found"]
+                ),
+                text_in(data["difference"]),
+                None if data["differs"] is None else number_in(data["differs"], int),
+                number_in(data["time"]),
+                text_in(data["lane"]),
+                _maybe(data["open_loop"]),
+                number_in(data["seconds"]),
+                tuple(map(_entered_in, data["recorded"])),
+                tuple(map(_entered_in, data["now"])),
+                {
+                    "states": _counts(data["coverage"]["states"]),
+                    "transitions": _counts(data["coverage"]["transitions"]),
+                    "conditions": {
+                        text_in(path): (bool(held), bool(failed))
+                        for path, (held, failed) in data["coverage"]["conditions"].items()
+                    },
+                },
+                number_in(data["issues"], int),
+                text_in(data["problem"]),
+                one_of(data["ended"], get_args(Ended)),
+            )
+        except (TypeError, LookupError, AttributeError) as error:
+            raise ValueError("This is no outcome of a run.") from error
+
+
+def _maybe(time: Any) -> float | None:
+    return None if time is None else number_in(time)
+
+
+def _entered_in(data: Any) -> Entered:
+    time, lane, state = data
+    return Entered(number_in(time), text_in(lane), None if state is None else text_in(state))
+
+
+def _counts(data: Any) -> dict[str, int]:
+    return {text_in(path): number_in(times, int) for path, times in data.items()}
 
 
 @dataclass(frozen=True)
@@ -126,6 +175,19 @@ class Rerun:
     trusted: bool = False
     namespace: Mapping[str, Any] = field(default_factory=dict)
     filename: ClassVar[str] = "<lrp run>"
+
+    @property
+    def key(self) -> object:
+        """What identifies the program."""
+        return self.texts
+
+    def made(self, data: Any) -> Outcome:
+        """Return the outcome that plain data describes. Raises ValueError: it describes none."""
+        return Outcome.from_dict(data)
+
+    def failed(self, ended: Ended, sentence: str, reason: str) -> Outcome:
+        """Return the outcome of a run that did not come to its end."""
+        return Outcome(problem=reason, ended=ended)
 
     def done(self) -> dict[str, Any]:
         """Run it again, and return the outcome as plain data."""
@@ -199,6 +261,7 @@ class _Watch:
         session.open()
         session.observe(self._see)
         bridge = session.bridge
+        self._is_open_loop = isinstance(bridge, RecordedBridge)
         simulated = bridge if isinstance(bridge, SimBridge) else None
         self.referees = {name: Referee(task, simulated.world) for name, task in tasks.items() if simulated}
         self._findings = session.check(session.program) if self.referees else ()
@@ -209,7 +272,7 @@ class _Watch:
             self.happenings.append(Happening(event.tick, time, "entered", event.path[:-1], event.path))
         elif event.kind == "discarded":
             self.happenings.append(Happening(event.tick, time, "ended", event.path))
-        elif event.kind == "commanded":
+        elif event.kind == "commanded" and self._is_open_loop:
             data: Any = event.data
             call = _call(data.name, plain(data.arguments))
             self.commands.append(Happening(event.tick, time, "command", by=(data.name,), call=call))

@@ -22,7 +22,7 @@ from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, above_starter, jobs_of, starter_jobs
 from lrp_jupyter.grading.handing_in import code_of
 from lrp_jupyter.grading.referee import Referee
-from lrp_jupyter.grading.workers import HowRun, run_jobs
+from lrp_jupyter.grading.workers import Halt, HowRun, run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.live.session import Session
@@ -46,7 +46,7 @@ class _Check:
     views: dict[str, AttemptView] = field(default_factory=dict)
     busy: bool = True
     error: str = ""
-    halted: threading.Event = field(default_factory=threading.Event)
+    halted: Halt = field(default_factory=Halt)
 
 
 class Goal:
@@ -194,7 +194,7 @@ class Goal:
             await asyncio.sleep(_STORING)
             for index, job in enumerate(check.jobs):
                 await asyncio.sleep(0.05)
-                if check.halted.is_set():
+                if check.halted.done():
                     return
                 self._note(check, index, attempt(job))
             begun = []
@@ -215,7 +215,7 @@ class Goal:
         return starter_jobs(check.grade, self.task, how)
 
     def _settle(self, check: _Check, begun: Sequence[Attempt]) -> None:
-        if not check.halted.is_set():
+        if not check.halted.done():
             check.grade = above_starter(check.grade, self.task, begun)
 
     def _world_of(self, index: int) -> int:
