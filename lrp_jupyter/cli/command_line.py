@@ -373,6 +373,33 @@ def replay(
     raise typer.Exit(replay_file(file, program, begin, end, trust))
 
 
+@command("test")
+def test_(
+    program: Annotated[str, Argument(metavar="PROGRAM", help="A file, or the name of a bundled program.")],
+    runs: Annotated[
+        list[str] | None,
+        Argument(metavar="RUNS…", help="Recordings, or folders of them. Default: the folder `NAME.runs`."),
+    ] = None,
+    coverage: Annotated[bool, Option("--coverage", help="Print what of the program no run reaches.")] = False,
+    junit: Annotated[Path | None, Option(metavar="FILE.xml", help="Write results for a CI service.")] = None,
+    limit: Annotated[float, Option(metavar="SECONDS", min=0.1, help="Of computing for each run.")] = 60,
+    trust: Trusted = False,
+) -> None:
+    """Run the kept runs of a program again, and judge each by what is expected of it.
+
+    What is expected is one line for each run in `expected.toml` beside the recordings: `as recorded` (the
+    same states at the same times), `reaches STATE within 30 s`, `never enters STATE`, `never touches`,
+    `meets CHALLENGE`, or several with commas between them.
+
+    **Exit code**: 0 when all runs passed, 1 when one did not or the program is not valid, 2 when a file
+    cannot be read.
+    """
+    from lrp_jupyter.cli.runs_command import decide_runs
+    from lrp_jupyter.grading.workers import HowRun
+
+    raise typer.Exit(decide_runs(program, runs or [], HowRun(limit=limit), coverage, junit, trust))
+
+
 @command(epilog=RECORDING_EPILOG)
 def why(
     file: Log,

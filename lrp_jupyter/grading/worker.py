@@ -11,6 +11,7 @@ from __future__ import annotations
 import ctypes
 import faulthandler
 import gc
+import importlib
 import json
 import os
 import pickle
@@ -20,6 +21,7 @@ import struct
 import sys
 import traceback
 from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from time import monotonic
 from typing import IO, NamedTuple
@@ -41,11 +43,13 @@ _LATER = 10.0  # s that a worker may take longer, and its run again as long, if 
 class Request(NamedTuple):
     """A run that is to be made: the job and the megabytes that it may need, pickled; seconds of computing.
 
-    `recording`: the file of the recording that it runs again, to be read once for all runs; empty if none.
+    `module`: that of the job, of this package: it is imported once for all runs.
+    `recording`: the file of the recording that it runs again, which is read once; empty if there is none.
     """
 
     job: bytes
     limit: float
+    module: str
     recording: str = ""
 
 
@@ -90,9 +94,8 @@ def main() -> None:
     while (request := _next(requests)) is not None:
         if request == NOTHING:  # the run that was not needed any more had already ended
             continue
-        job, limit, recording = pickle.loads(request)
-        if recording:
-            _read_once(recording)
+        job, limit, module, recording = pickle.loads(request)
+        _prepare(module, recording)
         if not FORKS:
             endings.write(_answer(job, limit))
             return
@@ -133,12 +136,15 @@ def _give_way() -> None:
         Path("/proc/self/autogroup").write_text(str(_NICE))
 
 
-def _read_once(recording: str) -> None:
-    """Read a recording, which runs nothing of it: the process of every run then has it already."""
+@lru_cache
+def _prepare(module: str, recording: str) -> None:
+    """Have what the processes of several runs need: a module, and a recording, of which nothing is run."""
+    importlib.import_module(module)
     with suppress(LRPError, OSError, MemoryError):  # the run itself fails in the same way, and says so
-        recording_of(recording)
-        gc.collect()
-        gc.freeze()  # the memory of what does not change is shared with the processes of the runs
+        if recording:
+            recording_of(recording)
+    gc.collect()
+    gc.freeze()  # the memory of what does not change is shared with the processes of the runs
 
 
 def _prctl(option: int, value: int) -> None:
@@ -151,6 +157,7 @@ def _answer(packed: bytes, limit: float) -> bytes:
     # a thread of C, which also ends a call of C that does not return, and a run whose worker is gone
     faulthandler.dump_traceback_later(patience(limit) + _LATER, exit=True)
     try:
+        gc.set_threshold(50_000, 20, 100)  # it ends soon, and what it has from its worker is frozen
         job, memory = pickle.loads(packed)
         _limit(memory, patience(limit))
         answer = job.done()

@@ -533,4 +533,5 @@ def _packed(job: Run[Result], memory: float) -> Request:
             ) from error
     sendable: Any = job  # every kind of run is a dataclass
     sendable = replace(sendable, namespace=names)
-    return Request(cloudpickle.dumps((sendable, memory)), job.limit, job.recording)
+    module = type(job).__module__
+    return Request(cloudpickle.dumps((sendable, memory)), job.limit, module, job.recording)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import json
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any, ClassVar, NamedTuple, get_args
@@ -212,26 +212,55 @@ class Rerun:
                 f"It contains `{code}`, an expression that you have not recorded here. Read it, then run it "
                 "once with `lrp replay FILE --trust`."
             )
-        start = recording.start
-        names = {**self.namespace, **start.namespace()}
-        with Session(
-            start.program(program),
-            start.make_bridge(),
-            VirtualClock(),
-            start.rate,
-            namespace=private_namespace(names, random_of(start.random).getstate()),
-            on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
-            on_issue=start.on_issue,  # type: ignore[arg-type]
-            name="run",
-            journal=max(recording.reach, TICKS) if recording.reach else 0,
-        ) as session:
+        with session_for(recording, program, self.namespace) as session:
             watch = _Watch(session, self.tasks)
-            script: deque[Entry] = deque(without_edits(recording.entries))
-            with session.driving(self.limit):
-                play(session._loop, script, float("inf"), watch.tick)
-            if session.fault:
-                raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
+            drive_again(session, recording, self.limit, watch.tick)
             return _judged(recording, session, watch, self.expected)
+
+
+def session_for(recording: Recording, program: Program, namespace: Mapping[str, Any]) -> Session:
+    """Return a session of a program as the recorded one was when it began."""
+    start = recording.start
+    session = Session(
+        start.program(program),
+        start.make_bridge(),
+        VirtualClock(),
+        start.rate,
+        namespace=private_namespace({**namespace, **start.namespace()}, random_of(start.random).getstate()),
+        on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
+        on_issue=start.on_issue,  # type: ignore[arg-type]
+        name="run",
+        journal=max(recording.reach, TICKS) if recording.reach else 0,
+    )
+    session._loop.is_copy = True
+    session.open()
+    return session
+
+
+def drive_again(
+    session: Session,
+    recording: Recording,
+    limit: float,
+    after_tick: Callable[[], object] | None = None,
+) -> float:
+    """Repeat a recorded run in a session from now on, but for edits; return when it began, in seconds.
+
+    Raises SessionTimeoutError: a block does not return.
+    Raises LRPError: the interpreter itself failed.
+    """
+    loop = session._loop
+    ticks, begin = loop.interpreter.tick, loop.timing.now
+    script: deque[Entry] = deque(
+        each._replace(tick=each.tick + ticks, time=round(each.time + begin, 9))
+        for each in without_edits(recording.entries)
+    )
+    with session.driving(limit):
+        play(loop, script, float("inf"), after_tick)
+        loop.timing.clock.rebase(loop.timing.now)
+        loop.publish()
+    if session.fault:
+        raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
+    return begin
 
 
 def _code_in(recording: Recording) -> str:
@@ -258,7 +287,6 @@ class _Watch:
         self.touches: list[tuple[float, str]] = []
         self._session = session
         self._touched: frozenset[str] = frozenset()
-        session.open()
         session.observe(self._see)
         bridge = session.bridge
         self._is_open_loop = isinstance(bridge, RecordedBridge)

@@ -22,15 +22,18 @@ from pathlib import Path as FilePath
 from time import monotonic
 from typing import Any
 
+from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.stored.run_files import runs_folder
 from lrp_jupyter.widgets.acts import breakpoint_acts as breakpoint_acts
 from lrp_jupyter.widgets.acts import drawing_questions as drawing_questions
 from lrp_jupyter.widgets.acts import editor_questions as editor_questions
 from lrp_jupyter.widgets.acts import goal_acts as goal_acts
 from lrp_jupyter.widgets.acts import inspection as inspection
 from lrp_jupyter.widgets.acts import program_acts as program_acts
+from lrp_jupyter.widgets.acts import run_acts as run_acts
 from lrp_jupyter.widgets.acts import timeline_questions as timeline_questions
 from lrp_jupyter.widgets.acts import world_acts as world_acts
 from lrp_jupyter.widgets.acts.messages import (
@@ -47,6 +50,7 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Rename
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
+from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.changes import TextChanges
 from lrp_jupyter.widgets.wire.codec import DecodeError
@@ -60,6 +64,7 @@ class PageConnection:
 
     `reopen`: creates a session of the same program with another bridge, given its name and options.
     `free_name`: returns a name that no other open program has, given a wanted one.
+    `beside`: the folder of the notebook, in which the program's runs are kept.
     """
 
     def __init__(
@@ -70,12 +75,15 @@ class PageConnection:
         options: Mapping[str, Any] | None = None,
         clock: Callable[[], float] = monotonic,
         free_name: Callable[[str], str] = lambda name: name,
+        beside: FilePath = FilePath(),
     ) -> None:
         self.name = session.name
         self.texts = saver.texts
         self.saver = saver
         self.layouts = Layouts()
         self.looking = Looking()
+        self._beside = beside
+        self.runs = Runs(runs_folder(beside / session.name))
         self.log: FilePath | None = None  # that was named for the recording of its sessions
         self.options = dict(options or {})
         self._reopen = reopen
@@ -86,7 +94,7 @@ class PageConnection:
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
-        self._publisher = Publisher(session, saver, self.layouts, self.looking, self.report, clock)
+        self._publisher = Publisher(session, saver, self.layouts, self.looking, self.runs, self.report, clock)
 
     @property
     def session(self) -> Session:
@@ -189,13 +197,13 @@ class PageConnection:
         else:
             answer.add_done_callback(lambda _: self.wake())
 
-    def change_bridge(self, bridge: str, **options: Any) -> None:
+    def change_bridge(self, bridge: str | Bridge, **options: Any) -> None:
         """Start the program again in a session with another bridge; if that fails, the old one stays."""
         if self._reopen is None:
             raise BridgeError("This session was created elsewhere, so its bridge cannot be changed here.")
         with self._changing:
             old = self.session
-            if old.bridge.hardware and old.bridge.name == bridge:
+            if old.bridge.hardware and bridge == old.bridge.name:
                 old.close()  # a robot accepts one connection at a time
             session = self._reopen(old, bridge, **options)
             for each in old.frame.breakpoints:
@@ -212,6 +220,7 @@ class PageConnection:
         if name != self.name:
             self.name = self._free_name(name)
             self.saver.move(self.name)
+            self.runs.move(runs_folder(self._beside / self.name))
             self.session.name = self.name
             self._publisher.send_snapshots()  # views keep things under the name of the session
         self.texts.write(text)
@@ -268,6 +277,7 @@ class PageConnection:
             self.closed = True  # from now on it stays with this session
         if self.goal is not None:
             self.goal.close()
+        self.runs.close()
         self.session.close()
         self._publisher.end()
         if self._worker is not None:

@@ -40,6 +40,7 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Written
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
+from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import Looking, MomentShown
 from lrp_jupyter.widgets.views.view_state import ViewStates, difference, is_time, is_urgent
 from lrp_jupyter.widgets.views.world_state import WorldCursor
@@ -206,6 +207,7 @@ class Publisher:
         saver: Saver,
         layouts: Layouts,
         looking: Looking,
+        runs: Runs,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
@@ -213,6 +215,7 @@ class Publisher:
         self._saver = saver
         self._layouts = layouts
         self._looking = looking
+        self._runs = runs
         self._report = report
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
@@ -238,9 +241,10 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._saver, self._layouts, self.goal)
+            self._view_states = ViewStates(session, self._saver, self._layouts, self._runs, self.goal)
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
+            self._runs.attach(self.wake)
             self.send_snapshots()
 
     def set_goal(self, goal: Goal | None) -> None:
@@ -251,7 +255,7 @@ class Publisher:
             self.goal = goal
             if goal is not None:
                 goal.attach(self.session, self.wake)
-            self._view_states = ViewStates(self.session, self._saver, self._layouts, goal)
+            self._view_states = ViewStates(self.session, self._saver, self._layouts, self._runs, goal)
             self.send_snapshots()
 
     def send_snapshots(self) -> None:

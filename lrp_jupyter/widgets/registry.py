@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path as FilePath
 from typing import Any
 
+from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import LRPError, UnknownElementError, did_you_mean, most_similar
 from lrp_jupyter.grading.challenges import Challenge
@@ -154,7 +155,9 @@ def open_program(
             name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, paused, path
         )
         reopen = partial(_reopen, log=path)
-        connection = _add(PageConnection(session, saver, reopen, options, free_name=_free_name))
+        connection = _add(
+            PageConnection(session, saver, reopen, options, free_name=_free_name, beside=FilePath(here))
+        )
         connection.log = log
         texts.line = line
         for each in (first, *later):
@@ -210,7 +213,7 @@ def robot_for(world: World | str | None) -> dict[str, Any]:
 def _open_session(
     name: str,
     text: str,
-    bridge: str,
+    bridge: str | Bridge,
     namespace: dict[str, Any] | None,
     rate: float,
     options: dict[str, Any],
@@ -218,7 +221,7 @@ def _open_session(
     log: FilePath | None = None,
 ) -> Session:
     program, _ = scan(text, f"<lrp {name}>")
-    robot = make_bridge(bridge, **options)
+    robot = bridge if isinstance(bridge, Bridge) else make_bridge(bridge, **options)
     session = Session(
         "" if program is None else program,
         robot,
@@ -239,7 +242,7 @@ def _open_session(
     return session
 
 
-def _reopen(old: Session, bridge: str, log: FilePath | None = None, **options: Any) -> Session:
+def _reopen(old: Session, bridge: str | Bridge, log: FilePath | None = None, **options: Any) -> Session:
     new = _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options, log=log)
     for policy in ("on_active_edit", "on_issue"):
         new.ask(do.SetPolicy(policy, getattr(old, policy)))

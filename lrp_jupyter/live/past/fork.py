@@ -53,19 +53,21 @@ def run_start(loop: Loop) -> ForkStart:
     Raises ValueError: there was none, or it is no longer remembered.
     """
     loop.settle()
+    begun, reason = loop.record.begun, unkept(loop)
+    if begun is None or reason:
+        raise ValueError(reason)
+    return _start_from(loop, begun, loop.interpreter.tick)
+
+
+def unkept(loop: Loop) -> str:
+    """Return why the run cannot be repeated from its beginning; empty if it can. From any thread."""
     begun, record = loop.record.begun, loop.record
     if begun is None:
-        raise ValueError(
-            "This run did not begin at the start: the program was reset, but not its world. Begin a new run."
-        )
+        return "This run did not begin at the start of the world. Begin a new run, which can be kept."
     if begun.tick < loop.interpreter.tick - len(record.moments) or begun.inputs < record.inputs.lost:
         ago = loop.timing.now - begun.time
-        raise ValueError(
-            f"This run began {ago / 60:.0f} minutes ago, which is no longer remembered. Begin a new run."
-        )
-    if begun.tick == loop.interpreter.tick:
-        raise ValueError("No tick has run yet. Run the program first.")
-    return _start_from(loop, begun, loop.interpreter.tick)
+        return f"This run began {ago / 60:.0f} minutes ago, and is no longer remembered. Begin a new run."
+    return "" if begun.tick < loop.interpreter.tick else "No tick has run yet. Run the program first."
 
 
 def fork_start(loop: Loop, at: int | None) -> ForkStart:

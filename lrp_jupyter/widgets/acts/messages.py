@@ -13,11 +13,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar, Literal, Protocol, TypeVar
 
+from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Texts
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
+from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.changes import Sections
 from lrp_jupyter.widgets.wire.codec import DecodeError, Fields, decode, fields_of
@@ -34,6 +36,7 @@ class OpenProgram(Protocol):
     saver: Saver
     layouts: Layouts
     looking: Looking
+    runs: Runs
 
     @property
     def session(self) -> Session:
@@ -49,7 +52,7 @@ class OpenProgram(Protocol):
     def work(self, job: Callable[[], Any]) -> Future[Any]:
         """Queue a job that may have to wait, for the worker's thread."""
 
-    def change_bridge(self, bridge: str, **options: Any) -> None:
+    def change_bridge(self, bridge: str | Bridge, **options: Any) -> None:
         """Continue with another bridge."""
 
     def load(self, name: str, text: str) -> None:

@@ -35,7 +35,7 @@ def show_run(opened: OpenProgram, name: str) -> Applied:
 @act(30.0)
 def accept_run(opened: OpenProgram, name: str) -> Applied:
     """Take what a kept run is with the present program as what was recorded."""
-    return opened.work(partial(opened.runs.accept, name))
+    return opened.work(partial(opened.runs.accept, opened.session, name))
 
 
 @act()
@@ -53,4 +53,4 @@ def forget_run(opened: OpenProgram, name: str) -> None:
 @act()
 def attach_runs(opened: OpenProgram, folder: str) -> None:
     """Show and run the recordings of another folder, too."""
-    opened.runs.attach(folder)
+    opened.runs.attach_folder(folder)

@@ -35,6 +35,7 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.instances import Instances
 from lrp_jupyter.widgets.views.layouts import Layouts
+from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import MomentShown
 from lrp_jupyter.widgets.wire.packing import as_fields
 from lrp_jupyter.widgets.wire.page_places import id_of, offset_of, range_of
@@ -66,8 +67,11 @@ _DEEPEST = 2  # levels of fields of a reading that are listed
 class ViewStates:
     """Creates the view states of one session. Used by one thread at a time."""
 
-    def __init__(self, session: Session, saver: Saver, layouts: Layouts, goal: Goal | None = None) -> None:
+    def __init__(
+        self, session: Session, saver: Saver, layouts: Layouts, runs: Runs, goal: Goal | None = None
+    ) -> None:
         self._goal = goal
+        self._runs = runs
         self._session = session
         self._texts = saver.texts
         self._saver = saver
@@ -163,7 +167,7 @@ class ViewStates:
             "goal": None if self._goal is None else self._goal.view(session, texts.text),
             "criteria": [] if self._goal is None else self._goal.criteria(),
             "attempts": {} if self._goal is None else self._goal.attempts(),
-            "runs": self._runs.view(),
+            "runs": self._runs.view(session, "" if self._goal is None else self._goal.task.name),
             "kept_runs": self._runs.kept(),
         }
 

@@ -1,0 +1,308 @@
+"""The runs that are kept beside a program: run again, in processes of their own, with every new program.
+
+One thread, which mostly waits, has them run: when there is a newer program, the runs of the one before are
+ended. What was known of a run stays in view until it is known with the new program. All else is called by
+the publisher, or is what a person does, on the worker's thread.
+"""
+
+from __future__ import annotations
+
+import threading
+import traceback
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Protocol
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.files import shown
+from lrp_jupyter.grading.workers import Halt, HowRun
+from lrp_jupyter.language.program import Program, path_text
+from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.coverage import Coverage
+from lrp_jupyter.live.past.fork import unkept
+from lrp_jupyter.live.recording import recording_of
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.runs.again import begin_run, record_again, show_run
+from lrp_jupyter.runs.decide import decide
+from lrp_jupyter.runs.expectation import AS_RECORDED, expectation
+from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, named, remove, rename
+from lrp_jupyter.runs.rerun import OPEN_LOOP, Entered, Outcome
+from lrp_jupyter.widgets.views.shown_moment import Looking
+from lrp_jupyter.widgets.wire.protocol import CoverageView, KeptRunView, OneWay, RunsView
+
+_LIMIT = 10.0  # s of computing that a run may take
+
+
+class ShowsRuns(Protocol):
+    """What shows a run: a session with its views."""
+
+    looking: Looking
+
+    @property
+    def session(self) -> Session:
+        """The session that the views show."""
+
+    def change_bridge(self, bridge: str | Bridge) -> None:
+        """Continue with another bridge."""
+
+
+class Runs:
+    """The kept runs of one program.
+
+    `folder`: where new ones are kept.
+    `attached`: further folders, whose runs are shown, too.
+    """
+
+    def __init__(self, folder: Path, attached: Iterable[Path] = ()) -> None:
+        self.folder = folder
+        self.attached = list(attached)
+        self._lock = threading.Condition()  # of everything below
+        self._runs: tuple[KeptRun, ...] = ()
+        self._outcomes: dict[Path, Outcome] = {}
+        self._decided: set[Path] = set()  # those of which the outcome is that of the wanted program
+        self._coverage: tuple[Program, Coverage] | None = None
+        self._wanted: tuple[Session, Program] | None = None
+        self._number = 0  # of what is wanted
+        self._halt = Halt()
+        self._error = ""
+        self._thread: threading.Thread | None = None
+        self._closed = False
+        self._wake: Callable[[], None] = lambda: None
+
+    # -- what is shown: on the publisher's thread -----------------------------------------------------
+
+    def attach(self, wake: Callable[[], None]) -> None:
+        """Have `wake` called when there is something to show."""
+        self._wake = wake
+
+    def move(self, folder: Path) -> None:
+        """Show the runs of another folder: the program has another name."""
+        self.folder = folder
+        self._changed()
+
+    def close(self) -> None:
+        """End the runs, and the thread."""
+        with self._lock:
+            self._closed = True
+            self._halt.set()
+            self._lock.notify_all()
+
+    def view(self, session: Session, challenge: str = "") -> RunsView | None:
+        """Return what is shown of all; have the runs run again if there is another program."""
+        if session.driver == "asyncio":  # where there are no processes
+            return None
+        if self._wanted is None or self._wanted[1] is not session.program:
+            self._want(session)
+        with self._lock:
+            return {
+                "folder": self.folder.name,
+                "attached": [shown(each) for each in self.attached],
+                "names": [run.name for run in self._runs],
+                "waiting": len(self._runs) - len(self._decided),
+                "expected": f"meets {challenge}" if challenge else AS_RECORDED,
+                "keeps": unkept(session._loop),
+                "coverage": self._coverage_view(),
+                "error": self._error,
+            }
+
+    def kept(self) -> dict[str, KeptRunView]:
+        """Return what is shown of each run."""
+        with self._lock:
+            return {
+                run.name: _run_view(run, self._outcomes.get(run.file), run.file in self._decided)
+                for run in self._runs
+            }
+
+    def _coverage_view(self) -> CoverageView | None:
+        if not self._runs or len(self._decided) < len(self._runs) or self._wanted is None:
+            return None
+        program = self._wanted[1]
+        runs = [self._outcomes[run.file].coverage for run in self._runs]
+        elements = [*resolve(program).elements()]
+        reached: dict[str, dict[str, list[int]]] = {}
+        for kind in ("state", "transition"):
+            paths = [path_text(path) for each, path in elements if each == kind]
+            reached[kind] = {
+                path: [number for number, run in enumerate(runs) if path in run[f"{kind}s"]] for path in paths
+            }
+        ways: dict[str, OneWay] = {}
+        for arrow in (arrow for each in resolve(program).arrows.values() for arrow in each):
+            if arrow.noun.trigger.keyword == "on":
+                path = path_text(arrow.element.path)
+                found = [run["conditions"][path] for run in runs if path in run["conditions"]]
+                held, failed = any(each[0] for each in found), any(each[1] for each in found)
+                if not (held and failed):
+                    ways[path] = "never false" if held else "never true" if failed else "never tested"
+        return {"states": reached["state"], "transitions": reached["transition"], "conditions": ways}
+
+    # -- deciding: on a thread of its own --------------------------------------------------------------
+
+    def _want(self, session: Session) -> None:
+        """Have the runs run again with the present program, and no more with an earlier one."""
+        with self._lock:
+            self._wanted = session, session.program
+            self._number += 1
+            self._decided.clear()
+            self._halt.set()
+            self._lock.notify_all()
+            if self._thread is None and session.driver != "asyncio":
+                self._thread = threading.Thread(target=self._decide_all, name="lrp runs", daemon=True)
+                self._thread.start()
+
+    def _decide_all(self) -> None:
+        done = 0
+        while True:
+            with self._lock:
+                self._lock.wait_for(lambda: self._closed or self._number != done)  # noqa: B023
+                if self._closed or self._wanted is None:
+                    return
+                (session, program), done = self._wanted, self._number
+                self._halt = halt = Halt()
+            try:
+                self._look()
+                self._decide(session, program, done, halt)
+                error = ""
+            except LRPError as fault:
+                error = sentence_of(fault)
+            except Exception:
+                error = traceback.format_exc()
+            with self._lock:
+                self._error = error
+            self._wake()
+
+    def _look(self) -> None:
+        """Look which runs there are now."""
+        found = kept_runs([each for each in (self.folder, *self.attached) if each.exists()])
+        with self._lock:
+            self._runs = found
+
+    def _decide(self, session: Session, program: Program, number: int, halt: Halt) -> None:
+        if not program.text:
+            return
+
+        def told(run: KeptRun, outcome: Outcome) -> None:
+            with self._lock:
+                self._outcomes[run.file] = outcome
+                if number == self._number:
+                    self._decided.add(run.file)
+            self._wake()
+
+        with self._lock:
+            known = self._outcomes
+            first = sorted(self._runs, key=lambda run: run.file in known and known[run.file].passed)
+        how = HowRun(limit=_LIMIT, namespace=session.namespace)
+        decide(program, first, how, told=told, halt=halt)
+
+    # -- what a person does: on the worker's thread --------------------------------------------------------
+
+    def _changed(self) -> None:
+        """Look for the runs again, and run them."""
+        if self._wanted is not None:
+            self._want(self._wanted[0])
+        self._wake()
+
+    def _named(self, name: str) -> KeptRun:
+        with self._lock:
+            return named(self._runs, name)
+
+    def keep(self, session: Session, name: str, expected: str) -> None:
+        """Keep the present run."""
+        line = str(expectation(expected))  # before anything is written
+        file = session.keep(name, self.folder)
+        new = next(run for run in kept_runs(file))
+        expect(new, line)
+        self._changed()
+
+    def begin(self, session: Session) -> None:
+        """Begin a new run, which can be kept."""
+        begin_run(session)
+        session.start()
+
+    def expect(self, name: str, expected: str) -> None:
+        """Write what is expected of a run."""
+        expect(self._named(name), expected)
+        self._changed()
+
+    def rename(self, name: str, new_name: str) -> None:
+        """Give a run another name."""
+        rename(self._named(name), new_name)
+        self._changed()
+
+    def forget(self, name: str) -> None:
+        """Remove a run."""
+        remove(self._named(name))
+        self._changed()
+
+    def attach_folder(self, folder: str) -> None:
+        """Show the runs of another folder, too."""
+        path = Path(folder).expanduser()
+        kept_runs(path)  # raises what is wrong
+        if path not in self.attached:
+            self.attached.append(path)
+        self._changed()
+
+    def accept(self, session: Session, name: str) -> None:
+        """Record a run again with the present program."""
+        record_again(self._named(name).file, session.program.text, session.namespace)
+        self._changed()
+
+    def show(self, opened: ShowsRuns, name: str) -> None:
+        """Run a run again in the lab, and look at where it differs or fails, else at its end."""
+        run = self._named(name)
+        with self._lock:
+            outcome = self._outcomes.get(run.file, Outcome())
+        recording = recording_of(run.file)
+        bridge, simulated = opened.session.bridge, recording.start.world is not None
+        if bridge.hardware:
+            raise LRPError(
+                f"The program drives `{bridge.name}` now, which would be disconnected. Choose the bridge "
+                "`sim` first, or look at the run in another lab."
+            )
+        if simulated and bridge.simulated is None:
+            opened.change_bridge("sim")
+        elif not simulated and bridge.name != "recorded":
+            opened.change_bridge(recording.start.make_bridge())
+        session = opened.session
+        begin = show_run(session, recording)
+        failed = [each.time for each in outcome.found if not each.passed and each.time is not None]
+        time = min(failed, default=outcome.time if outcome.difference else outcome.seconds)
+        opened.looking.look(session, begin + time)
+
+
+def _run_view(run: KeptRun, outcome: Outcome | None, is_decided: bool) -> KeptRunView:
+    known = outcome or Outcome()
+    lane = _lane(known)
+    return {
+        "expected": run.expected,
+        "seconds": round(known.seconds, 3),
+        "state": "waiting"
+        if not is_decided
+        else "problem"
+        if known.problem
+        else "passed"
+        if known.passed
+        else "failed",
+        "reason": known.reason,
+        "differs": (known.time, known.difference) if known.difference else None,
+        "open_loop": "" if known.open_loop is None else OPEN_LOOP,
+        "lane": lane,
+        "recorded": _strip(known.recorded, lane),
+        "now": _strip(known.now, lane),
+        "issues": known.issues,
+    }
+
+
+def _lane(outcome: Outcome) -> str:
+    """Return the machine whose states are shown: the outermost one in which a run differs, else the first."""
+    if outcome.lane:
+        return outcome.lane.partition("/")[0]
+    return next((each.lane for each in (*outcome.recorded, *outcome.now)), "")
+
+
+def _strip(entered: Iterable[Entered], lane: str) -> list[tuple[float, str]]:
+    return [
+        (each.time, f"{lane}/{each.state}" if each.state is not None else "")
+        for each in entered
+        if each.lane == lane
+    ]
