@@ -374,7 +374,7 @@ def replay(
 
 
 @command("test")
-def test_(
+def examples(
     program: Annotated[str, Argument(metavar="PROGRAM", help="A file, or the name of a bundled program.")],
     runs: Annotated[
         list[str] | None,
@@ -382,7 +382,7 @@ def test_(
     ] = None,
     coverage: Annotated[bool, Option("--coverage", help="Print what of the program no run reaches.")] = False,
     junit: Annotated[Path | None, Option(metavar="FILE.xml", help="Write results for a CI service.")] = None,
-    limit: Annotated[float, Option(metavar="SECONDS", min=0.1, help="Of computing for each run.")] = 60,
+    limit: Annotated[float, Option(metavar="SECONDS", min=0.1, max=1e5, help="Of computing for each.")] = 60,
     trust: Trusted = False,
 ) -> None:
     """Run the kept runs of a program again, and judge each by what is expected of it.

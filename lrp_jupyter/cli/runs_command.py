@@ -19,7 +19,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.stored.run_files import runs_folder
 from lrp_jupyter.runs.decide import Decisions, decide, line_of
 from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
-from lrp_jupyter.runs.rerun import Outcome
+from lrp_jupyter.runs.rerun import RunOutcome
 
 
 def decide_runs(
@@ -36,9 +36,9 @@ def decide_runs(
     wanted = kept_runs(runs or [_beside(name)])
     if not wanted:
         raise FileError(f"There is no recording in {', '.join(f'`{shown(each)}`' for each in runs)}.")
-    console, made, printed = plain_console(), dict[KeptRun, Outcome](), 0
+    console, made, printed = plain_console(), dict[KeptRun, RunOutcome](), 0
 
-    def told(run: KeptRun, outcome: Outcome) -> None:
+    def told(run: KeptRun, outcome: RunOutcome) -> None:
         nonlocal printed
         made[run] = outcome
         while printed < len(wanted) and (next_one := wanted[printed]) in made:
@@ -59,8 +59,8 @@ def _beside(name: str) -> Path:
     folder = runs_folder(name)
     if not folder.is_dir():
         raise FileError(
-            f"No runs are kept beside the program: there is no folder `{shown(folder)}`. Keep some in the lab,"
-            f" or record one with `lrp run {name} --record {folder.name}/NAME.lrplog`, or name a folder."
+            f"No runs are kept beside the program: there is no folder `{shown(folder)}`. Keep some in the lab"
+            f", record one with `lrp run {name} --record {folder.name}/NAME.lrplog`, or name a folder."
         )
     return folder
 

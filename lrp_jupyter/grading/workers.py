@@ -66,7 +66,7 @@ Result = TypeVar("Result", bound=Made)
 Result_co = TypeVar("Result_co", bound=Made, covariant=True)
 
 
-class Run(Protocol[Result_co]):
+class RunJob(Protocol[Result_co]):
     """One run that is to be made, here or, pickled, in a worker."""
 
     @property
@@ -144,7 +144,7 @@ class HowRun(NamedTuple):
 
 
 def run_jobs(
-    jobs: Sequence[Run[Result]],
+    jobs: Sequence[RunJob[Result]],
     how: HowRun = HowRun(),  # noqa: B008  (an immutable value)
     *,
     stop_at_end: bool = False,
@@ -177,7 +177,7 @@ class _Batch(Generic[Result]):
     have ended its process.
     """
 
-    def __init__(self, jobs: Sequence[Run[Result]], memory: float, stop_at_end: bool, halt: Halt) -> None:
+    def __init__(self, jobs: Sequence[RunJob[Result]], memory: float, stop_at_end: bool, halt: Halt) -> None:
         self._jobs, self._memory, self._stop_at_end, self._halt = jobs, memory, stop_at_end, halt
         self._waiting = list(range(len(jobs)))
         self._lost: list[int] = []
@@ -244,7 +244,7 @@ class _Batch(Generic[Result]):
             self._withdraw(self._jobs[index])
         return made
 
-    def _withdraw(self, job: Run[Result]) -> list[int]:
+    def _withdraw(self, job: RunJob[Result]) -> list[int]:
         """Take the runs of a job's program from those that wait, and return them."""
         found = [index for index in self._waiting if self._jobs[index].key == job.key]
         self._waiting = [index for index in self._waiting if index not in found]
@@ -457,7 +457,7 @@ def _unstarted(reason: str) -> LRPError:
     )
 
 
-def _made_of(job: Run[Result], ending: Ending) -> Result:
+def _made_of(job: RunJob[Result], ending: Ending) -> Result:
     """Return what a worker's answer describes.
 
     The program may have written it: anything but the answer for this run counts as no answer.
@@ -509,7 +509,7 @@ def _reason(ending: Ending) -> str:
     )
 
 
-def _packed(job: Run[Result], memory: float) -> Request:
+def _packed(job: RunJob[Result], memory: float) -> Request:
     """Pickle a job with those names of its namespace that its blocks use, and what they need in turn.
 
     Raises LRPError: a name cannot be sent.

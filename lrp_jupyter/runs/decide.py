@@ -20,9 +20,9 @@ from lrp_jupyter.live.coverage import Coverage, coverage_from
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.expectation import expectation
 from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
-from lrp_jupyter.runs.rerun import OPEN_LOOP, Outcome, Rerun
+from lrp_jupyter.runs.rerun import OPEN_LOOP, Rerun, RunOutcome
 
-Told = Callable[[KeptRun, Outcome], object]
+Told = Callable[[KeptRun, RunOutcome], object]
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,12 +32,12 @@ class Decisions:
     Parameters
     ----------
     program : Program
-    outcomes : mapping of KeptRun to Outcome
+    outcomes : mapping of KeptRun to RunOutcome
         In the order of the runs; those that were not run again are missing.
     """
 
     program: Program = field(hash=False)
-    outcomes: Mapping[KeptRun, Outcome] = field(hash=False)
+    outcomes: Mapping[KeptRun, RunOutcome] = field(hash=False)
 
     @property
     def passed(self) -> bool:
@@ -52,7 +52,7 @@ class Decisions:
     def __bool__(self) -> bool:
         return self.passed
 
-    def __getitem__(self, name: str) -> Outcome:
+    def __getitem__(self, name: str) -> RunOutcome:
         """Return the outcome of a run, by its name."""
         return next(outcome for run, outcome in self.outcomes.items() if run.name == name)
 
@@ -64,7 +64,7 @@ class Decisions:
     __repr__ = __str__
 
 
-def line_of(run: KeptRun, outcome: Outcome) -> str:
+def line_of(run: KeptRun, outcome: RunOutcome) -> str:
     """Return what came of a run, in a line, or two if it is an open loop."""
     mark = "✓" if outcome.passed else "✗"
     reason = f": {outcome.reason}" if outcome.reason else ""
@@ -115,12 +115,12 @@ def decide(
     several = [runs] if isinstance(runs, (str, os.PathLike)) else [*runs]
     wanted = [run for each in several for run in ([each] if isinstance(each, KeptRun) else kept_runs(each))]
     namespace = program.namespace if isinstance(program, Session) else how.namespace or {}
-    parsed, made, jobs = parse(text), dict[KeptRun, Outcome](), list[tuple[KeptRun, Rerun]]()
+    parsed, made, jobs = parse(text), dict[KeptRun, RunOutcome](), list[tuple[KeptRun, Rerun]]()
     for run in wanted:
         try:
             jobs.append((run, _job(text, run, how, namespace, trusted)))
         except LRPError as error:  # of what is expected
-            made[run] = Outcome(problem=sentence_of(error))
+            made[run] = RunOutcome(problem=sentence_of(error))
             told(run, made[run])
     for index, outcome in run_jobs([job for _, job in jobs], how, halt=halt):
         run, _ = jobs[index]

@@ -31,7 +31,7 @@ _FORMS = (
 )
 
 
-class Part(NamedTuple):
+class ExpectedPart(NamedTuple):
     """One thing that is expected.
 
     `kind`: ``as recorded``, ``reaches``, ``never`` (enters), ``touches`` (never) or ``meets``.
@@ -61,7 +61,7 @@ class Part(NamedTuple):
 class Expectation:
     """What is expected of a run: everything in `parts`."""
 
-    parts: tuple[Part, ...] = (Part("as recorded"),)
+    parts: tuple[ExpectedPart, ...] = (ExpectedPart("as recorded"),)
 
     def __str__(self) -> str:
         return ", ".join(map(str, self.parts))
@@ -87,13 +87,13 @@ def expectation(text: str) -> Expectation:
     return Expectation(tuple(parts)) if parts else Expectation()
 
 
-def _part(text: str) -> Part:
+def _part(text: str) -> ExpectedPart:
     plain = " ".join(text.split())
     for kind, form in _FORMS:
         found = form.fullmatch(plain)
         if found is not None:
             given = found.groupdict()
-            return Part(kind, (given.get("name") or "").strip(), _seconds(given.get("time"), plain))
+            return ExpectedPart(kind, (given.get("name") or "").strip(), _seconds(given.get("time"), plain))
     raise LRPError(
         f"`{plain}` is not something that can be expected of a run. Write `as recorded`, `reaches STATE`, "
         "`reaches STATE within 30 s`, `never enters STATE`, `never touches`, `meets CHALLENGE`, or several "

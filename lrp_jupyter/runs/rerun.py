@@ -37,7 +37,7 @@ from lrp_jupyter.live.running.inputs import Input
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.stored.json_values import plain, unplain
 from lrp_jupyter.live.why.wording import call_text
-from lrp_jupyter.runs.expectation import Expectation, Part
+from lrp_jupyter.runs.expectation import Expectation, ExpectedPart
 
 OPEN_LOOP = (
     "A real robot was recorded: from the first difference on, its readings are those of the recorded drive, "
@@ -45,7 +45,7 @@ OPEN_LOOP = (
 )
 
 
-class Found(NamedTuple):
+class PartVerdict(NamedTuple):
     """The verdict on one part of an expectation.
 
     `part`: as a person writes it.
@@ -59,7 +59,7 @@ class Found(NamedTuple):
     time: float | None = None
 
 
-class Entered(NamedTuple):
+class StateEntered(NamedTuple):
     """A state that was entered, or None for the end of its machine: when (s), and in which machine.
 
     `lane`: the path of the machine, as spawned.
@@ -70,7 +70,7 @@ class Entered(NamedTuple):
     state: str | None
 
 
-class Outcome(NamedTuple):
+class RunOutcome(NamedTuple):
     """What came of a run that was run again.
 
     `found`: the verdict on each part of what is expected.
@@ -84,15 +84,15 @@ class Outcome(NamedTuple):
     `problem`: why there is no verdict; empty if there is.
     """
 
-    found: tuple[Found, ...] = ()
+    found: tuple[PartVerdict, ...] = ()
     difference: str = ""
     differs: int | None = None
     time: float = 0.0
     lane: str = ""
     open_loop: float | None = None
     seconds: float = 0.0
-    recorded: tuple[Entered, ...] = ()
-    now: tuple[Entered, ...] = ()
+    recorded: tuple[StateEntered, ...] = ()
+    now: tuple[StateEntered, ...] = ()
     coverage: Mapping[str, Any] = {"states": {}, "transitions": {}, "conditions": {}}
     issues: int = 0
     problem: str = ""
@@ -110,12 +110,12 @@ class Outcome(NamedTuple):
         return self.problem or next((each.reason for each in self.found if not each.passed), "")
 
     @classmethod
-    def from_dict(cls, data: Any) -> Outcome:
+    def from_dict(cls, data: Any) -> RunOutcome:
         """Return the outcome that plain data describes. Raises ValueError: it describes none."""
         try:
             return cls(
                 tuple(
-                    Found(text_in(part), one_of(passed, (True, False)), text_in(reason), _maybe(time))
+                    PartVerdict(text_in(part), one_of(passed, (True, False)), text_in(reason), _maybe(time))
                     for part, passed, reason, time in data["found"]
                 ),
                 text_in(data["difference"]),
@@ -146,9 +146,9 @@ def _maybe(time: Any) -> float | None:
     return None if time is None else number_in(time)
 
 
-def _entered_in(data: Any) -> Entered:
+def _entered_in(data: Any) -> StateEntered:
     time, lane, state = data
-    return Entered(number_in(time), text_in(lane), None if state is None else text_in(state))
+    return StateEntered(number_in(time), text_in(lane), None if state is None else text_in(state))
 
 
 def _counts(data: Any) -> dict[str, int]:
@@ -181,32 +181,32 @@ class Rerun:
         """What identifies the program."""
         return self.texts
 
-    def made(self, data: Any) -> Outcome:
+    def made(self, data: Any) -> RunOutcome:
         """Return the outcome that plain data describes. Raises ValueError: it describes none."""
-        return Outcome.from_dict(data)
+        return RunOutcome.from_dict(data)
 
-    def failed(self, ended: Ended, sentence: str, reason: str) -> Outcome:
+    def failed(self, ended: Ended, sentence: str, reason: str) -> RunOutcome:
         """Return the outcome of a run that did not come to its end."""
-        return Outcome(problem=reason, ended=ended)
+        return RunOutcome(problem=reason, ended=ended)
 
     def done(self) -> dict[str, Any]:
         """Run it again, and return the outcome as plain data."""
         return self.outcome()._asdict()
 
-    def outcome(self) -> Outcome:
+    def outcome(self) -> RunOutcome:
         """Run it again. Raises LRPError: the interpreter itself failed."""
         try:
             return self._outcome(recording_of(self.recording), parse(self.texts[0], self.filename))
         except SessionTimeoutError as error:
-            return Outcome(problem=f"It was ended after {self.limit:g} s of computing. {error}")
+            return RunOutcome(problem=f"It was ended after {self.limit:g} s of computing. {error}")
         except LRPSyntaxError as error:
-            return Outcome(problem=f"The program cannot be run: {error.findings[0]}")
+            return RunOutcome(problem=f"The program cannot be run: {error.findings[0]}")
         except MemoryError:
-            return Outcome(problem="It needed more memory than it may use.")
+            return RunOutcome(problem="It needed more memory than it may use.")
         except LRPError as error:
-            return Outcome(problem=str(error))
+            return RunOutcome(problem=str(error))
 
-    def _outcome(self, recording: Recording, program: Program) -> Outcome:
+    def _outcome(self, recording: Recording, program: Program) -> RunOutcome:
         if not (self.trusted or recording.is_own) and (code := _code_in(recording)):
             raise LRPError(
                 f"It contains `{code}`, an expression that you have not recorded here. Read it, then run it "
@@ -343,7 +343,7 @@ def _renamed(path: Path, successors: Successors) -> Path:
     return successors.path(kind, path) or path
 
 
-def _judged(recording: Recording, session: Session, watch: _Watch, expected: Expectation) -> Outcome:
+def _judged(recording: Recording, session: Session, watch: _Watch, expected: Expectation) -> RunOutcome:
     successors = diff(recording.start.program(recording.start.text), session.program).successors
     recorded = [*_recorded(recording.followed, successors, "state")]
     differs = first_event(recorded, watch.happenings)
@@ -352,7 +352,7 @@ def _judged(recording: Recording, session: Session, watch: _Watch, expected: Exp
     if is_open_loop:
         other = first_event(_recorded(recording.followed, successors, "command"), watch.commands)
     departs = [each.time for each in (differs, other) if each is not None]
-    return Outcome(
+    return RunOutcome(
         found=tuple(_found(part, session, watch, differs) for part in expected.parts),
         difference="" if differs is None else differs.text,
         differs=None if differs is None else differs.tick,
@@ -367,17 +367,19 @@ def _judged(recording: Recording, session: Session, watch: _Watch, expected: Exp
     )
 
 
-def _entered(each: Happening) -> Entered:
-    return Entered(each.time, path_text(each.lane), each.state[-1] if each.state else None)
+def _entered(each: Happening) -> StateEntered:
+    return StateEntered(each.time, path_text(each.lane), each.state[-1] if each.state else None)
 
 
-def _found(part: Part, session: Session, watch: _Watch, differs: Divergence | None) -> Found:
+def _found(part: ExpectedPart, session: Session, watch: _Watch, differs: Divergence | None) -> PartVerdict:
     """Return the verdict on a part of an expectation."""
     match part.kind:
         case "as recorded":
             if differs is None or (part.time is not None and differs.time > part.time):
-                return Found(str(part), True, "The same states are entered at the same times.")
-            return Found(str(part), False, f"differs at {differs.time:.1f} s: {differs.text}", differs.time)
+                return PartVerdict(str(part), True, "The same states are entered at the same times.")
+            return PartVerdict(
+                str(part), False, f"differs at {differs.time:.1f} s: {differs.text}", differs.time
+            )
         case "touches":
             return _touching(part, session, watch)
         case "meets":
@@ -385,43 +387,45 @@ def _found(part: Part, session: Session, watch: _Watch, differs: Divergence | No
     return _entering(part, session, watch)
 
 
-def _entering(part: Part, session: Session, watch: _Watch) -> Found:
+def _entering(part: ExpectedPart, session: Session, watch: _Watch) -> PartVerdict:
     program = session.program
     if (missing := missing_state(part.name, program)) is not None:
-        return Found(str(part), False, str(missing))
+        return PartVerdict(str(part), False, str(missing))
     states = (each for each in watch.happenings if each.kind == "entered")
     first = next((each.time for each in states if means(program, part.name, each.state)), None)
     state = f"`{part.name}`"
     if part.kind == "never":
-        return Found(
+        return PartVerdict(
             str(part),
             first is None,
             f"{state} is never entered." if first is None else f"{state} is entered at {first:.1f} s.",
             first,
         )
     if first is None:
-        return Found(str(part), False, f"{state} is not entered in {session._loop.timing.now:.1f} s.")
+        return PartVerdict(str(part), False, f"{state} is not entered in {session._loop.timing.now:.1f} s.")
     is_late = part.time is not None and first > part.time
-    return Found(str(part), not is_late, f"{state} is entered at {first:.1f} s.", first)
+    return PartVerdict(str(part), not is_late, f"{state} is entered at {first:.1f} s.", first)
 
 
-def _touching(part: Part, session: Session, watch: _Watch) -> Found:
+def _touching(part: ExpectedPart, session: Session, watch: _Watch) -> PartVerdict:
     if not isinstance(session.bridge, SimBridge):
-        return Found(str(part), False, "What the robot touched is known only of a simulated robot.")
+        return PartVerdict(str(part), False, "What the robot touched is known only of a simulated robot.")
     wanted = [(time, solid) for time, solid in watch.touches if part.name in ("", solid)]
     if not wanted:
-        return Found(str(part), True, "The robot touches nothing." if not part.name else "It is not touched.")
+        return PartVerdict(
+            str(part), True, "The robot touches nothing." if not part.name else "It is not touched."
+        )
     time, solid = wanted[0]
     what = "the edge of the world" if solid == "edge" else f"`{solid}`"
-    return Found(str(part), False, f"The robot touches {what} at {time:.1f} s.", time)
+    return PartVerdict(str(part), False, f"The robot touches {what} at {time:.1f} s.", time)
 
 
-def _meeting(part: Part, watch: _Watch) -> Found:
+def _meeting(part: ExpectedPart, watch: _Watch) -> PartVerdict:
     referee = watch.referees.get(part.name)
     if referee is None:
-        return Found(str(part), False, "The criteria of a challenge are about a simulated robot.")
+        return PartVerdict(str(part), False, "The criteria of a challenge are about a simulated robot.")
     missing = [verdict for verdict in referee.verdicts(True) if not verdict.passed]
     if not missing:
-        return Found(str(part), True, "All criteria are met.")
+        return PartVerdict(str(part), True, "All criteria are met.")
     broken = next((verdict for verdict in missing if verdict.decided is not None), missing[0])
-    return Found(str(part), False, f"{broken.sentence}: {broken.reason}", broken.decided)
+    return PartVerdict(str(part), False, f"{broken.sentence}: {broken.reason}", broken.decided)

@@ -50,8 +50,8 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Rename
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
-from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import Looking
+from lrp_jupyter.widgets.views.shown_runs import ShownRuns
 from lrp_jupyter.widgets.wire.changes import TextChanges
 from lrp_jupyter.widgets.wire.codec import DecodeError
 from lrp_jupyter.widgets.wire.packing import plain
@@ -83,7 +83,7 @@ class PageConnection:
         self.layouts = Layouts()
         self.looking = Looking()
         self._beside = beside
-        self.runs = Runs(runs_folder(beside / session.name))
+        self.runs = ShownRuns(runs_folder(beside / session.name))
         self.log: FilePath | None = None  # that was named for the recording of its sessions
         self.options = dict(options or {})
         self._reopen = reopen

@@ -40,8 +40,8 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Written
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
-from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import Looking, MomentShown
+from lrp_jupyter.widgets.views.shown_runs import ShownRuns
 from lrp_jupyter.widgets.views.view_state import ViewStates, difference, is_time, is_urgent
 from lrp_jupyter.widgets.views.world_state import WorldCursor
 from lrp_jupyter.widgets.wire.protocol import ViewState
@@ -207,7 +207,7 @@ class Publisher:
         saver: Saver,
         layouts: Layouts,
         looking: Looking,
-        runs: Runs,
+        runs: ShownRuns,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:

@@ -19,8 +19,8 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Texts
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
-from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import Looking
+from lrp_jupyter.widgets.views.shown_runs import ShownRuns
 from lrp_jupyter.widgets.wire.changes import Sections
 from lrp_jupyter.widgets.wire.codec import DecodeError, Fields, decode, fields_of
 from lrp_jupyter.widgets.wire.protocol import ElementKind, ViewState
@@ -36,7 +36,7 @@ class OpenProgram(Protocol):
     saver: Saver
     layouts: Layouts
     looking: Looking
-    runs: Runs
+    runs: ShownRuns
 
     @property
     def session(self) -> Session:

@@ -35,8 +35,8 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.instances import Instances
 from lrp_jupyter.widgets.views.layouts import Layouts
-from lrp_jupyter.widgets.views.runs import Runs
 from lrp_jupyter.widgets.views.shown_moment import MomentShown
+from lrp_jupyter.widgets.views.shown_runs import ShownRuns
 from lrp_jupyter.widgets.wire.packing import as_fields
 from lrp_jupyter.widgets.wire.page_places import id_of, offset_of, range_of
 from lrp_jupyter.widgets.wire.protocol import (
@@ -68,7 +68,7 @@ class ViewStates:
     """Creates the view states of one session. Used by one thread at a time."""
 
     def __init__(
-        self, session: Session, saver: Saver, layouts: Layouts, runs: Runs, goal: Goal | None = None
+        self, session: Session, saver: Saver, layouts: Layouts, runs: ShownRuns, goal: Goal | None = None
     ) -> None:
         self._goal = goal
         self._runs = runs

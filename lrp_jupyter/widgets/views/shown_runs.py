@@ -27,7 +27,7 @@ from lrp_jupyter.runs.again import begin_run, record_again, show_run
 from lrp_jupyter.runs.decide import decide
 from lrp_jupyter.runs.expectation import AS_RECORDED, expectation
 from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, named, remove, rename
-from lrp_jupyter.runs.rerun import OPEN_LOOP, Entered, Outcome
+from lrp_jupyter.runs.rerun import OPEN_LOOP, RunOutcome, StateEntered
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.protocol import CoverageView, KeptRunView, OneWay, RunsView
 
@@ -47,7 +47,7 @@ class ShowsRuns(Protocol):
         """Continue with another bridge."""
 
 
-class Runs:
+class ShownRuns:
     """The kept runs of one program.
 
     `folder`: where new ones are kept.
@@ -59,7 +59,7 @@ class Runs:
         self.attached = list(attached)
         self._lock = threading.Condition()  # of everything below
         self._runs: tuple[KeptRun, ...] = ()
-        self._outcomes: dict[Path, Outcome] = {}
+        self._outcomes: dict[Path, RunOutcome] = {}
         self._decided: set[Path] = set()  # those of which the outcome is that of the wanted program
         self._coverage: tuple[Program, Coverage] | None = None
         self._wanted: tuple[Session, Program] | None = None
@@ -181,7 +181,7 @@ class Runs:
         if not program.text:
             return
 
-        def told(run: KeptRun, outcome: Outcome) -> None:
+        def told(run: KeptRun, outcome: RunOutcome) -> None:
             with self._lock:
                 self._outcomes[run.file] = outcome
                 if number == self._number:
@@ -251,7 +251,7 @@ class Runs:
         """Run a run again in the lab, and look at where it differs or fails, else at its end."""
         run = self._named(name)
         with self._lock:
-            outcome = self._outcomes.get(run.file, Outcome())
+            outcome = self._outcomes.get(run.file, RunOutcome())
         recording = recording_of(run.file)
         bridge, simulated = opened.session.bridge, recording.start.world is not None
         if bridge.hardware:
@@ -270,8 +270,8 @@ class Runs:
         opened.looking.look(session, begin + time)
 
 
-def _run_view(run: KeptRun, outcome: Outcome | None, is_decided: bool) -> KeptRunView:
-    known = outcome or Outcome()
+def _run_view(run: KeptRun, outcome: RunOutcome | None, is_decided: bool) -> KeptRunView:
+    known = outcome or RunOutcome()
     lane = _lane(known)
     return {
         "expected": run.expected,
@@ -293,14 +293,14 @@ def _run_view(run: KeptRun, outcome: Outcome | None, is_decided: bool) -> KeptRu
     }
 
 
-def _lane(outcome: Outcome) -> str:
+def _lane(outcome: RunOutcome) -> str:
     """Return the machine whose states are shown: the outermost one in which a run differs, else the first."""
     if outcome.lane:
         return outcome.lane.partition("/")[0]
     return next((each.lane for each in (*outcome.recorded, *outcome.now)), "")
 
 
-def _strip(entered: Iterable[Entered], lane: str) -> list[tuple[float, str]]:
+def _strip(entered: Iterable[StateEntered], lane: str) -> list[tuple[float, str]]:
     return [
         (each.time, f"{lane}/{each.state}" if each.state is not None else "")
         for each in entered
