@@ -19,7 +19,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.stored.run_files import runs_folder
 from lrp_jupyter.runs.decide import Decisions, decide, line_of
 from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
-from lrp_jupyter.runs.rerun import RunOutcome
+from lrp_jupyter.runs.outcome import RunOutcome
 
 
 def decide_runs(

@@ -20,7 +20,8 @@ from lrp_jupyter.live.coverage import Coverage, coverage_from
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.expectation import expectation
 from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
-from lrp_jupyter.runs.rerun import OPEN_LOOP, Rerun, RunOutcome
+from lrp_jupyter.runs.outcome import OPEN_LOOP, RunOutcome
+from lrp_jupyter.runs.rerun import Rerun
 
 Told = Callable[[KeptRun, RunOutcome], object]
 

@@ -27,7 +27,7 @@ from lrp_jupyter.runs.again import begin_run, record_again, show_run
 from lrp_jupyter.runs.decide import decide
 from lrp_jupyter.runs.expectation import AS_RECORDED, expectation
 from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, named, remove, rename
-from lrp_jupyter.runs.rerun import OPEN_LOOP, RunOutcome, StateEntered
+from lrp_jupyter.runs.outcome import OPEN_LOOP, RunOutcome, StateEntered
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.protocol import CoverageView, KeptRunView, OneWay, RunsView
 
