@@ -137,7 +137,8 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
         recorders.append(Recorder(copy._loop, stream.write, began))
 
     try:
-        with open_log(path) as stream, _forked(session, start, record):
+        with open_log(path) as stream, _forked(session, start, record) as copy:
+            _repeat(copy, start.later)  # what was done after the last tick
             recorders[0].end()
     except BaseException:
         path.unlink(missing_ok=True)

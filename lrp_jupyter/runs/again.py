@@ -33,6 +33,7 @@ def begin_run(session: Session) -> None:
     session.reset()
     if isinstance(session.bridge, SimBridge):
         session.bridge.reset_world()
+        session.call(session._loop.settle)  # at once
 
 
 def show_run(session: Session, recording: Recording) -> float:

@@ -11,10 +11,9 @@ from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.interpreter.trace_events import TraceEvent
-from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.lookup import means
-from lrp_jupyter.language.program import Path, path_text
-from lrp_jupyter.language.successors import Successors
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.coverage import coverage_of
 from lrp_jupyter.live.past.timeline import Happening
 from lrp_jupyter.live.past.what_if import Divergence, first_event
@@ -25,6 +24,7 @@ from lrp_jupyter.live.stored.json_values import plain, unplain
 from lrp_jupyter.live.why.wording import call_text
 from lrp_jupyter.runs.expectation import Expectation, ExpectedPart
 from lrp_jupyter.runs.outcome import PartVerdict, RunOutcome, StateEntered
+from lrp_jupyter.runs.renamed import Names, path_now, renamed
 
 
 class RunWatch:
@@ -73,7 +73,7 @@ def _call(name: str, arguments: Any) -> str:
     return call_text(name, unplain(json.loads(json.dumps(arguments))))
 
 
-def _recorded(lines: Sequence[Line], successors: Successors, kind: str) -> Iterator[Happening]:
+def _recorded(lines: Sequence[Line], names: Names, kind: str) -> Iterator[Happening]:
     """Yield the states, or the commands, of a recording, under their names in the present program."""
     for line in lines:
         event, tick, time = line.get("event"), line["tick"], line["time"]
@@ -81,27 +81,21 @@ def _recorded(lines: Sequence[Line], successors: Successors, kind: str) -> Itera
             name = line["command"]
             yield Happening(tick, time, "command", by=(name,), call=_call(name, line["arguments"]))
         elif kind == "state" and event == "entered":
-            path = _renamed(tuple(line["state"].split("/")), successors)
+            path = path_now(tuple(line["state"].split("/")), names)
             yield Happening(tick, time, "entered", path[:-1], path)
         elif kind == "state" and event == "discarded":
-            yield Happening(tick, time, "ended", _renamed(tuple(line["machine"].split("/")), successors))
-
-
-def _renamed(path: Path, successors: Successors) -> Path:
-    """Return the present path of a state or machine; one that is gone keeps its own."""
-    kind = "machine" if len(path) % 2 else "state"
-    return successors.path(kind, path) or path
+            yield Happening(tick, time, "ended", path_now(tuple(line["machine"].split("/")), names))
 
 
 def judged(recording: Recording, session: Session, watch: RunWatch, expected: Expectation) -> RunOutcome:
     """Return what came of a run, and the verdict on each part of what is expected."""
-    successors = diff(recording.start.program(recording.start.text), session.program).successors
-    recorded = [*_recorded(recording.followed, successors, "state")]
+    names = renamed(parse(recording.start.text), session.program)
+    recorded = [*_recorded(recording.followed, names, "state")]
     differs = first_event(recorded, watch.happenings)
     is_open_loop = isinstance(session.bridge, RecordedBridge)
     other: Divergence | None = None
     if is_open_loop:
-        other = first_event(_recorded(recording.followed, successors, "command"), watch.commands)
+        other = first_event(_recorded(recording.followed, names, "command"), watch.commands)
     departs = [each.time for each in (differs, other) if each is not None]
     return RunOutcome(
         found=tuple(_found(part, session, watch, differs) for part in expected.parts),

@@ -113,7 +113,7 @@ def drive_again(
     session: Session,
     recording: Recording,
     limit: float,
-    after_tick: Callable[[], object] | None = None,
+    after_tick: Callable[[], object] = lambda: False,
 ) -> float:
     """Repeat a recorded run in a session from now on, but for edits; return when it began, in seconds.
 
@@ -127,7 +127,9 @@ def drive_again(
         for each in without_edits(recording.entries)
     )
     with session.driving(limit):
-        play(loop, script, float("inf"), after_tick)
+        play(
+            loop, script, float("inf"), lambda: after_tick() or loop.inbox.queued
+        )  # or the limit is exceeded
         loop.timing.clock.rebase(loop.timing.now)
         loop.publish()
     if session.fault:

@@ -62,12 +62,14 @@ def run_start(loop: Loop) -> ForkStart:
 def unkept(loop: Loop) -> str:
     """Return why the run cannot be repeated from its beginning; empty if it can. From any thread."""
     begun, record = loop.record.begun, loop.record
+    if not loop.interpreter.tick:
+        return "No tick has run yet. Run the program first."
     if begun is None:
         return "This run did not begin at the start of the world. Begin a new run, which can be kept."
     if begun.tick < loop.interpreter.tick - len(record.moments) or begun.inputs < record.inputs.lost:
         ago = loop.timing.now - begun.time
         return f"This run began {ago / 60:.0f} minutes ago, and is no longer remembered. Begin a new run."
-    return "" if begun.tick < loop.interpreter.tick else "No tick has run yet. Run the program first."
+    return "" if begun.tick < loop.interpreter.tick else "This run has just begun: no tick has run yet."
 
 
 def fork_start(loop: Loop, at: int | None) -> ForkStart:

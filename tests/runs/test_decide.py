@@ -1,0 +1,185 @@
+"""Kept runs are run again with another text, and judged by what is expected of each."""
+
+import json
+
+import pytest
+from live.test_recording import ROVER, Rover
+from runs.conftest import LAPS
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.workers import HowRun
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.runs.again import record_again, show_run
+from lrp_jupyter.runs.decide import decide
+from lrp_jupyter.runs.expectation import expectation
+from lrp_jupyter.runs.kept_runs import expect, kept_runs, remove, rename
+from lrp_jupyter.runs.outcome import OPEN_LOOP
+
+
+@pytest.mark.parametrize(
+    ("text", "time", "reason"),
+    [
+        (LAPS, None, ""),
+        (LAPS + "; another comment", None, ""),
+        (LAPS.replace("aside", "around"), None, ""),  # renamed
+        (LAPS.replace("[0.3]", "[0.31]"), 22.7, "`away` is entered; in the original run it is not."),
+        (LAPS.replace("2000", "2100"), 2.0, "`aside` is not entered; in the original run it is."),
+        (
+            LAPS.replace("(ontime 2000", "(on [elapsed > 1] ahead -> away) (ontime 2000"),
+            1.1,
+            "`away` is entered",
+        ),
+    ],
+)
+def test_the_first_difference_of_a_run_is_the_one_that_a_replay_reports(keep, text, time, reason):
+    file = keep()
+    (outcome,) = decide(text, [file]).outcomes.values()
+    assert outcome.passed == (time is None)
+    assert reason in outcome.reason
+    again = reproduce(read_recording(file), program=text)
+    entered = [
+        (each.time, each.state[-1]) for each in again.session.timeline().happenings if each.kind == "entered"
+    ]
+    assert [(each.time, each.state) for each in outcome.now] == entered
+    if time is not None:
+        assert outcome.time == pytest.approx(time)
+        pairs = zip(outcome.recorded, outcome.now, strict=False)
+        assert outcome.time == next(min(a.time, b.time) for a, b in pairs if a != b)
+
+
+@pytest.mark.parametrize(
+    ("line", "passed", "reason"),
+    [
+        ("as recorded until 20 s", True, ""),
+        ("as recorded until 22.8 s", False, "differs at 22.7 s"),
+        ("reaches away", True, ""),
+        ("reaches laps/away within 22 s", False, "`laps/away` is entered at 22.7 s."),
+        ("reaches nowhere", False, "There is no state `nowhere`."),
+        ("never away", False, "`away` is entered at 22.7 s."),
+        ("never enters laps/away", False, "`laps/away` is entered at 22.7 s."),
+        ("never touches", False, "The robot touches the edge of the world at 22.7 s."),
+        ("never touches ball", True, ""),
+        ("meets there and back", False, "it never touched the far wall"),
+        ("meets first move", True, ""),
+        ("reaches aside,  never touches ball", True, ""),
+        ("reaches aside, never touches", False, "The robot touches the edge"),
+    ],
+)
+def test_what_is_expected_of_a_run_is_a_line(keep, line, passed, reason):
+    (run,) = kept_runs(keep())
+    expect(run, line)
+    (run,) = kept_runs(run.file)
+    assert expectation(run.expected) == expectation(line)
+    (outcome,) = decide(LAPS.replace("[0.3]", "[0.31]"), [run]).outcomes.values()
+    assert (outcome.passed, outcome.problem) == (passed, "")
+    assert reason in outcome.reason
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["reaches", "reach a", "never", "as recorded until x s", "reaches a within 3", "never touches a b, no"],
+)
+def test_what_cannot_be_expected_is_refused_and_nothing_is_written(keep, line):
+    (run,) = kept_runs(keep())
+    with pytest.raises(LRPError, match="is not "):
+        expect(run, line)
+    assert kept_runs(run.file) == (run,)
+
+
+def test_a_real_robots_recording_is_an_open_loop_from_the_first_difference_on(keep, tmp_path):
+    file = keep(text=ROVER, bridge=Rover, act=lambda session: session.bridge.arm(), seconds=2)
+    (same,) = decide(ROVER, [file]).outcomes.values()
+    assert (same.passed, same.open_loop) == (True, None)
+    faster = ROVER.replace("linear=2", "linear=0.4")
+    (other,) = decide(faster, [file]).outcomes.values()
+    assert (other.passed, other.open_loop) == (True, 0.0)  # the states follow from the readings alone
+    assert OPEN_LOOP in str(decide(faster, [file]))
+    (later,) = decide(ROVER.replace("< 1", "< 1.5"), [file]).outcomes.values()
+    assert (later.passed, later.open_loop, later.time) == (False, 0.6, 0.6)
+
+
+def slowed(session):
+    session.run(0.1)
+    session.set_variable("pace", evaluate="-0.1")
+
+
+def test_one_run_that_hangs_costs_the_others_nothing_and_says_so(keep):
+    good, bad = keep("good"), keep("bad", act=slowed)
+    text = LAPS.replace("(running [robot.move(angular=1.0)])", "(running [while pace < 0: pass])")
+    made = decide(text, [good, bad], HowRun(limit=1))
+    assert "was ended after 1 s of computing" in made["bad"].reason
+    assert made["good"].problem == ""
+
+
+def test_an_expression_in_a_strangers_recording_runs_only_if_trusted(keep, tmp_path):
+    mark, strange = tmp_path / "mark", tmp_path / "strange.lrplog"
+    expression = f"__import__('pathlib').Path({str(mark)!r}).touch()"
+    strange.write_text(keep(act=slowed).read_text().replace('"-0.1"', json.dumps(expression)))
+    (outcome,) = decide(LAPS, [strange]).outcomes.values()
+    assert "an expression that you have not recorded here" in outcome.problem
+    assert not mark.exists()
+    decide(LAPS, [strange], trusted=True)
+    assert mark.exists()
+
+
+def test_a_run_has_another_name_is_recorded_again_or_is_removed_and_nothing_is_lost(keep):
+    file, other = keep("one"), keep("two")
+    expect(kept_runs(file)[0], "reaches away")
+    run = rename(kept_runs(file)[0], "three")
+    assert [(each.name, each.expected) for each in kept_runs(file.parent)] == [
+        ("three", "reaches away"),
+        ("two", "as recorded"),
+    ]
+    with pytest.raises(LRPError, match="There is a run `two` already"):
+        rename(run, "two")
+    changed = LAPS.replace("2000", "2100")
+    assert not decide(changed, [other])
+    record_again(other, changed, {})
+    assert decide(changed, [other])
+    remove(run)
+    assert [each.name for each in kept_runs(file.parent)] == ["two"]
+    assert [each.name for each in kept_runs(file.parent / ".removed")] == ["three"]
+
+
+def test_a_run_that_is_shown_in_a_session_is_the_same_there(keep):
+    recording = read_recording(keep(noise={"motor": 0.2}, seed=5))
+    with Session(LAPS, "sim", VirtualClock(), world="empty") as session:
+        session.run(3.7)
+        begin = show_run(session, recording)
+        shown = [
+            (round(each.time - begin, 9), each.state[-1])
+            for each in session.timeline().happenings
+            if each.kind == "entered" and each.time >= begin
+        ]
+        recorded = [
+            (line["time"], line["state"].split("/")[-1])
+            for line in recording.followed
+            if line.get("event") == "entered"
+        ]
+        assert (shown, session.status) == (recorded, "paused")
+
+
+def test_what_runs_have_reached_is_what_their_events_say(keep):
+    files = [keep("short", seconds=3), keep("long")]
+    coverage = decide(LAPS, files).coverage
+    lines = [read_recording(file).followed for file in files]
+    for name, count in (("ahead", 2), ("aside", 2), ("away", 1)):
+        entered = sum(any(line.get("state") == f"laps/{name}" for line in each) for each in lines)
+        assert coverage.states["laps", name] == entered == count
+    program = parse(LAPS)
+    assert coverage.program == program
+    assert str(coverage) == (
+        "Reached: 3 of 3 states, 3 of 4 transitions, 1 of 2 conditions in both ways.\n"
+        "Never fired: `laps/[pace < 0]:ahead->aside`.\n"
+        "Never true: `laps/[pace < 0]:ahead->aside`."
+    )
+    with Session(LAPS, "sim", VirtualClock(), world="line") as session:
+        session.run(25)
+        live = session.coverage
+        assert (live.states["laps", "ahead"], live.conditions) == (7, coverage.conditions)
+        session.edit(LAPS.replace("pace < 0", "pace < 1"))
+        assert [each.label for each in session.coverage.undecided] == []

@@ -1,0 +1,107 @@
+"""The present run is kept from its beginning, and is the same when it is run again."""
+
+from pathlib import Path
+
+import pytest
+from runs.conftest import LAPS
+
+from lrp_jupyter.errors import FileError
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.runs.again import begin_run
+
+NOISE = {"motor": 0.2, "light": 10, "distance": 0.02}
+
+
+def by_hand(session):
+    session.set_variable("pace", evaluate="0.2 + 0.05")
+    session.run(1)
+    session.bridge.place_robot((0.7, 0.5, 1.0))
+
+
+def edited(session):
+    session.edit(session.text.replace("1500", "1200"))
+    session.run(2)
+    session.edit(session.text.replace("aside", "around"))
+
+
+def rewound(session):
+    session.run(3)
+    session.rewind(12)
+
+
+def restarted(session):
+    session.pause()
+    session.reset()
+
+
+@pytest.mark.parametrize("begins_again", [False, True])
+@pytest.mark.parametrize("act", [by_hand, edited, rewound, restarted])
+def test_a_kept_run_is_the_same_again_whatever_was_done_in_it_and_wherever_it_began(
+    tmp_path, act, begins_again
+):
+    with Session(LAPS, "sim", VirtualClock(), world="line", noise=NOISE, seed=3, name="laps") as session:
+        if begins_again:
+            session.run(7.3)
+            begin_run(session)
+        begin = session.frame.time
+        session.run(5)
+        act(session)
+        session.run(8)
+        recording = read_recording(session.keep(folder=tmp_path))
+        assert recording.seconds == pytest.approx(session.frame.time - begin)
+        again = reproduce(recording)
+        assert again.difference is None
+        assert again.session.frame.values == session.frame.values
+        assert again.session.bridge.pose == session.bridge.pose
+
+
+def test_runs_are_kept_beside_the_program_and_none_is_overwritten(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with Session(LAPS, "sim", VirtualClock(), name="laps") as session:
+        session.run(1)
+        assert [session.keep("a"), session.keep("a"), session.keep()] == [
+            Path("laps.runs", name) for name in ("a.lrplog", "a (2).lrplog", "run.lrplog")
+        ]
+        with pytest.raises(FileError, match=r"^`../a` cannot be the name of a run"):
+            session.keep("../a")
+
+
+def placed(session):
+    session.bridge.place_robot((1, 1, 0))
+    session.call(lambda: session.bridge.simulation.step(0))
+    session.run(1)
+
+
+@pytest.mark.parametrize(
+    ("act", "reason"),
+    [
+        (lambda session: None, "No tick has run yet"),
+        (placed, "did not begin at the start"),
+        (lambda session: session.run(90), "began 2 minutes ago"),
+    ],
+)
+def test_a_run_whose_beginning_is_not_known_is_refused_and_leaves_no_file(tmp_path, act, reason):
+    with Session(LAPS, "sim", VirtualClock(), name="laps", journal=300) as session:
+        act(session)
+        with pytest.raises(ValueError, match=reason):
+            session.keep(folder=tmp_path)
+        assert not [*tmp_path.iterdir()]
+        begin_run(session)
+        session.run(1)
+        assert read_recording(session.keep(folder=tmp_path)).ticks == 10
+
+
+def test_a_run_that_cannot_be_repeated_is_refused_and_leaves_no_file(tmp_path):
+    names = {"outside": [0]}
+    text = "(var n := [0]) (machine m (state a (running [n = outside.pop()]))) (spawn m a)"
+    names["outside"] = type(
+        "Counter", (), {"n": 0, "pop": lambda self: setattr(self, "n", self.n + 1) or self.n}
+    )()
+    with Session(text, clock=VirtualClock(), namespace=names) as session:
+        session.run(1)
+        with pytest.raises(ValueError, match="cannot be repeated exactly: `n` had another value"):
+            session.keep(folder=tmp_path)
+        assert not [*tmp_path.iterdir()]
