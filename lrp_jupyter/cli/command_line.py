@@ -228,6 +228,15 @@ def run(
             metavar="STATE", autocompletion=complete.states, help="End the run when this state is entered."
         ),
     ] = None,
+    start: Annotated[
+        str | None,
+        Option(
+            metavar="PATH",
+            autocompletion=complete.states,
+            help="Start only this machine, such as `follower/looking/lookalgo`, or one of its states."
+            " The machines around it do not run.",
+        ),
+    ] = None,
     speed: Annotated[
         str,
         Option(
@@ -308,6 +317,7 @@ def run(
         rate=rate,
         seconds=seconds,
         until=until,
+        start=start,
         speed=speed,
         seed=seed,
         noise=noise or [],

@@ -83,7 +83,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
     program, findings = scan(source.text, source.name)
     if program is None:
         print_findings(source.name, source.text, findings)
-        if not wanted.watch:
+        if not wanted.watch or wanted.start is not None:
             return 1
         complaints.print("Nothing runs yet. Correct the text and save it.")
     running = Program(filename=source.name) if program is None else with_initials(program, wanted.assignments)
@@ -117,6 +117,7 @@ def _run(
             on_issue=wanted.on_issue,
             journal=None if wanted.animate is not None else REMEMBERED if bridge.tells_why else 0,
             speed=wanted.speed,
+            start=wanted.start,
         )
         if wanted.animate is not None and bridge.simulated is None:
             raise typer.BadParameter(f"--animate draws a simulated world, and `{bridge.name}` has none.")

@@ -28,6 +28,7 @@ class RunOptions:
     rate: float  # Hz; 0: as many as possible
     seconds: float  # may be infinite
     until: str | None
+    start: str | None  # a machine or a state; None: what the program spawns
     speed: float  # factor of real time; infinite: never wait
     seed: int | None
     noise: dict[str, float]

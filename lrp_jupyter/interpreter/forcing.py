@@ -7,13 +7,13 @@ spawn: the result is a configuration that the program can reach.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
+from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan, spawn_of
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.trace_events import TraceEvent
 from lrp_jupyter.interpreter.tree import Activation, Edge, Row, bind_block, chained
@@ -106,32 +106,27 @@ def _go(run: Run, where: Path, *, blocks: bool) -> StatePlan:
 def _root(run: Run, state: StatePlan) -> Activation:
     """Create a root machine as a top-level spawn does; if nothing is active, the program starts with it."""
     machine = run.plan.machines[state.path[:-1]]
-    own = _spawn_of(run.plan.spawns, state)
+    own = spawn_of(run.plan.spawns, machine.path)
     if not run.roots:
         if not run.started:
             run.begin()
-        run.pending = frozenset(spawn.identity for spawn in run.plan.spawns)
+        first = (spawn for spawn in run.plan.beginning if spawn.inside[:1] != machine.path)
+        run.pending = frozenset(spawn.identity for spawn in first)
     run.pending -= {identity for identity in run.pending if identity[0] == machine.name}
     return run.create(machine, None, own, state)
-
-
-def _spawn_of(items: Iterable[object], state: StatePlan) -> SpawnPlan | None:
-    """Return the spawn of the machine of a state among some items, or None."""
-    path = state.path[:-1]
-    return next((item for item in items if isinstance(item, SpawnPlan) and item.target == path), None)
 
 
 def _create(run: Run, parent: Activation, way: Sequence[StatePlan], blocks: bool) -> None:
     """Create the machine of the first state on a way in a machine whose state contains or spawns it."""
     machine = run.plan.machines[way[0].path[:-1]]
-    act = run.create(machine, parent, _spawn_of(parent.state.onentry, way[0]), way[0])
+    act = run.create(machine, parent, spawn_of(parent.state.onentry, machine.path), way[0])
     _enter(run, act, way, blocks)
 
 
 def _enter(run: Run, act: Activation, way: Sequence[StatePlan], blocks: bool) -> None:
     """Enter the first state on a way and those inside it, with what they spawn; `blocks`: with actions."""
     row, inside = run.row(act, way[0]), way[1:]
-    own = _spawn_of(row.state.onentry, inside[0]) if inside else None
+    own = spawn_of(row.state.onentry, inside[0].path[:-1]) if inside else None
     run.enter(act, Row(row.state, row.path, row.count))
     act.row = row
     for action, plan in zip(chained(row.onentry), row.state.onentry, strict=True):

@@ -51,6 +51,7 @@ class PastMachine:
     cells: dict[str, CellType]  # the variables that its blocks can access
     own: tuple[str, ...]  # its own variables among them
     inside: tuple[PastMachine, ...]  # what the active state had spawned, in order
+    is_around: bool  # whether it only surrounded a machine that was started alone
 
     @property
     def full_path(self) -> Path:
@@ -78,12 +79,17 @@ class PastState:
         return self.values.get(id(cell), UNSET)
 
     def machine(self, defined: Path, instance: Path | None = None) -> PastMachine | None:
-        """Return a machine that ran, by path of definition, and by path as spawned if there were several."""
+        """Return a machine that ran, by path of definition, and by path as spawned if there were several.
+
+        None if it only surrounded one that was started alone.
+        """
         return next(
             (
                 each
                 for each in self.walk()
-                if each.state[:-1] == defined and (instance is None or each.path == instance)
+                if not each.is_around
+                and each.state[:-1] == defined
+                and (instance is None or each.path == instance)
             ),
             None,
         )
@@ -103,6 +109,8 @@ class PastState:
         """The transitions that waited for a time, by path as spawned: that of the machine, then the id."""
         found: dict[Path, Countdown] = {}
         for each in self.walk():
+            if each.is_around:
+                continue
             value = partial(self._value, each)
             found.update(countdowns(self.program, each.path, each.state, each.entered, each.holding, value))
         return found
@@ -318,6 +326,7 @@ class History:
             {name: slot.cell for name, slot in visible.items()},
             tuple(view.get(act, "own")),
             tuple(self._machine(view, child) for child in view.get(act, "children")),
+            (alone := view.get(self.run, "alone")) is not None and alone.is_inside(view.get(act, "path")),
         )
 
     def _program(self, source: tuple[str, str] | Program) -> Program:

@@ -38,6 +38,7 @@ from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.alone import alone, linked
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.countdowns import Countdown, countdowns
 from lrp_jupyter.interpreter.debugging import scoped_traceback
@@ -46,7 +47,7 @@ from lrp_jupyter.interpreter.forcing import How, find_edge, find_state, force
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
-from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
+from lrp_jupyter.interpreter.linker import BlockPlan, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, Visits, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
@@ -98,6 +99,17 @@ class Interpreter:
         more; fewer if they take more than about 100 MB. 0 keeps no journal.
     output : callable, optional
         The function that blocks call as ``print``.
+    start : str or path, optional
+        A machine, as spawned, that runs instead of those that the program spawns at the top level; or one of
+        its states, by default that in which the program spawns it. The machines around it do not run, but
+        their variables exist.
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such machine or state to `start`, or there are several.
+    LRPError
+        It is not known in which state to `start` it.
 
     Attributes
     ----------
@@ -135,9 +147,11 @@ class Interpreter:
         *,
         journal: int | None = None,
         output: Callable[..., object] | None = None,
+        start: str | Path | None = None,
     ) -> None:
         check_type("program", program, Program, A_PROGRAM)
         check_type("namespace", namespace, (dict, NoneType), "a dict")
+        check_type("start", start, (str, tuple, NoneType), "the path of a machine or a state")
         if journal is not None:
             check_type("journal", journal, int, "a number of ticks")
             check_number("journal", journal, "a number of ticks", least=0)
@@ -157,7 +171,7 @@ class Interpreter:
         """Names that blocks can read."""
         self.namespace.setdefault("__builtins__", builtins)  # C code such as numpy's imports with it
         self._new_run = partial(Run, robot=robot, namespace=self.namespace, output=output, journal=journal)
-        self._run = self._new_run(program)
+        self._run = self._new_run(program, alone=None if start is None else alone(program, start))
         self._history = History(self._run)
         show_in_tracebacks(program)
         self._report_duplicates()
@@ -177,6 +191,11 @@ class Interpreter:
     def program(self) -> Program:
         """The program that runs."""
         return self._run.program
+
+    @property
+    def start(self) -> Path | None:
+        """The path of the machine or state that is started instead of what the program spawns."""
+        return None if self._run.alone is None else self._run.alone.path
 
     @property
     def active(self) -> tuple[Path, ...]:
@@ -292,7 +311,7 @@ class Interpreter:
         """The transitions that wait for a time, by path as spawned: that of the machine, then the id."""
         found: dict[Path, Countdown] = {}
         for act in self._run.walk():
-            if act.state.waits:
+            if act.row.state.waits:
                 value = partial(self._content, act)
                 found.update(countdowns(self.program, act.path, act.place, act.entered, act.holding, value))
         return found
@@ -528,7 +547,8 @@ class Interpreter:
         if unmeant is not None and waiting is not None:
             program = unmeant.instead
         changes = diff(before, program)
-        decision = decide(run, link(program), self.on_active_edit) if run.roots else Decision()
+        plan = linked(program, run.alone and run.alone.after(before, changes.successors))
+        decision = decide(run, plan, self.on_active_edit) if run.roots else Decision()
         run.unmeant = unmeant.element if unmeant and (unmeant.always or waiting is None) else None
         if decision.apply:
             run.remember()
@@ -553,7 +573,7 @@ class Interpreter:
         """Return why the part that is still being typed waits; None if it does not."""
         if unmeant.always:
             return unmeant.reason
-        disturbed = decide(self._run, link(program), "restart").reason
+        disturbed = decide(self._run, linked(program, self._run.alone), "restart").reason
         return None if disturbed is None else unmeant.reason or waits_for(disturbed)
 
     def rename(self, kind: str, path: Path | str, new_name: str, now: float | None = None) -> str:
@@ -703,7 +723,7 @@ class Interpreter:
         """
         before = self._run
         program = before.program if before.source == snapshot.source else snapshot.program
-        self._run = run = self._new_run(program)
+        self._run = run = self._new_run(program, alone=snapshot.alone)
         run.observers, run.visits = before.observers, before.visits
         beside = begin(run, snapshot, lambda token: self._robot if token == "robot" else find(token))
         run.watched = run.watched or bool(run.observers)
@@ -720,7 +740,7 @@ class Interpreter:
         Issues, counts and the journal are reset; settings and observers are kept. The next tick starts the
         program.
         """
-        before, self._run = self._run, self._new_run(program)
+        before, self._run = self._run, self._new_run(program, alone=self._run.alone)
         run = self._run
         run.now = now
         run.epoch = before.epoch + 1

@@ -11,7 +11,7 @@ unresolved reference is kept as a sentence and becomes an issue only when the in
 from __future__ import annotations
 
 import linecache
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
@@ -95,6 +95,7 @@ class SpawnPlan:
 
     `resolves`: whether machine and start state exist.
     `settings`: for variables of the machine, the initialisers of this use, which see the scope of the spawn.
+    `inside`: of a machine started alone, the states around it, as spawned; see ``alone``.
     """
 
     site: Site
@@ -102,6 +103,7 @@ class SpawnPlan:
     target: Path | Broken
     resolves: bool
     settings: Mapping[str, VariablePlan]
+    inside: Path = ()
 
     @property
     def identity(self) -> tuple[str, str]:
@@ -176,6 +178,12 @@ class Plan:
     dangling: set[tuple[Element, IssueKind]] = field(default_factory=set)
     places: dict[Element, int] = field(default_factory=dict)
     blocks: tuple[BlockPlan, ...] = ()
+    alone: SpawnPlan | None = None
+
+    @property
+    def beginning(self) -> tuple[SpawnPlan, ...]:
+        """What a run begins with: the spawns at the top level, or the machine that is started alone."""
+        return self.spawns if self.alone is None else (self.alone,)
 
     def tests(self) -> Iterator[tuple[Element, object]]:
         """Yield each transition, for each of its sources, and what it tests there."""
@@ -187,6 +195,11 @@ class Plan:
         """Return the state with this path of definition, or None."""
         machine = self.machines.get(path[:-1])
         return machine.states.get(path[-1]) if machine else None
+
+
+def spawn_of(items: Iterable[object], machine: Path) -> SpawnPlan | None:
+    """Return the spawn of a machine, by path of definition, among some items, or None."""
+    return next((item for item in items if isinstance(item, SpawnPlan) and item.target == machine), None)
 
 
 def link(program: Program) -> Plan:

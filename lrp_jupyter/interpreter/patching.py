@@ -23,7 +23,7 @@ from lrp_jupyter.interpreter.run import Run, meant
 from lrp_jupyter.interpreter.trace_events import UNSET
 from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.diff import ChangeSet, unset
-from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn
+from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn, path_text
 from lrp_jupyter.language.successors import Successors, is_inside
 
 Policy = Literal["restart", "keep"]
@@ -62,7 +62,7 @@ class Decision:
 
 def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     """Decide the effect of an edit to `plan`, according to the table in the language reference."""
-    startable = any(spawn.resolves for spawn in plan.spawns)
+    startable = any(spawn.resolves for spawn in plan.beginning)
     acts = [*run.walk()]
     for act in acts:
         machine = plan.machines.get(act.machine.path)
@@ -72,16 +72,19 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
                 return Decision(restart=True, reason=f"{gone} is active and was removed or renamed.")
             return Decision(
                 apply=False,
-                reason=f"{gone} is active but missing from the new text, where no `spawn` can start. "
+                reason=f"{gone} is active but missing from the new text, where {_unable(run)}. "
                 "The old program keeps running.",
             )
     new_spawns = {spawn.identity for spawn in plan.spawns}
-    lost = [act.spawn for act in run.roots if act.spawn is not None and act.spawn not in new_spawns]
+    roots = run.roots if run.alone is None else ()
+    lost = [act.spawn for act in roots if act.spawn is not None and act.spawn not in new_spawns]
     if lost and startable:
         return Decision(restart=True, reason=f"`(spawn {' '.join(lost[0])})` was changed or removed.")
     reason = None
     if policy == "restart":
         for act in acts:
+            if run.is_around(act):
+                continue
             new = plan.machines[act.machine.path].states[act.place[-1]]
             part = _changed_part(act.state, new)
             if part is not None:
@@ -91,7 +94,13 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
         return Decision(restart=True, reason=reason)
     if lost:
         return Decision(reason=f"`(spawn {' '.join(lost[0])})` was removed. What it started keeps running.")
-    return Decision(reason=reason and f"{reason} No `spawn` can start, so the program keeps running.")
+    unable = _unable(run)
+    capitalised = unable[0].upper() + unable[1:]
+    return Decision(reason=reason and f"{reason} {capitalised}, so the program keeps running.")
+
+
+def _unable(run: Run) -> str:
+    return "no `spawn` can start" if run.alone is None else f"`{path_text(run.alone.path)}` cannot start"
 
 
 def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
@@ -110,8 +119,9 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
     computed from a variable whose initialiser has changed are recomputed, so that an edited number takes
     effect at once. Paper: §4 (increasing `maxlook` immediately widens the sweeps).
     """
-    old, plan = run.plan, link(program)
+    old = run.plan
     run.replace_program(program, successors)
+    plan = run.plan
     run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
     carrier = _Carrier(run, successors, renamed)
     if run.started:
@@ -126,7 +136,7 @@ def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool =
         there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]
         spawned = {child.defined for child in act.children}  # it may have lost its spawn earlier
-        new = _added_spawns(state, machine.states[there[-1]])
+        new = [] if run.is_around(act) else _added_spawns(state, machine.states[there[-1]])
         added += ((act, spawn) for spawn in new if spawn.target not in spawned)
         act.place = there
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
@@ -264,8 +274,8 @@ def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:
 
 def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
     """Start the top-level spawns that are new, or that resolve only now."""
-    if not run.roots:
-        return  # the next tick does them all
+    if not run.roots or run.alone is not None:
+        return  # the next tick does them all; or they do not begin the run
     running = {act.spawn for act in run.roots} | run.pending
     tried = {spawn.identity: spawn.resolves for spawn in old.spawns}
     for spawn in plan.spawns:

@@ -16,6 +16,7 @@ from types import CellType, MappingProxyType
 from typing import Any, Protocol
 
 from lrp_jupyter.errors import NoDataYet
+from lrp_jupyter.interpreter.alone import Alone, linked
 from lrp_jupyter.interpreter.cells import Slot, content, parts_of, same, same_parts
 from lrp_jupyter.interpreter.debugging import Raised
 from lrp_jupyter.interpreter.facts import Discarded, Enabled, Entered, Fact, Faulted, Fired, Spawned
@@ -30,7 +31,7 @@ from lrp_jupyter.interpreter.linker import (
     SpawnPlan,
     StatePlan,
     VariablePlan,
-    link,
+    spawn_of,
 )
 from lrp_jupyter.interpreter.trace_events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.tree import (
@@ -77,8 +78,10 @@ class Run:
         namespace: dict[str, Any],
         output: Callable[..., object] | None,
         journal: int | None,
+        alone: Alone | None = None,
     ) -> None:
-        self.program, self.plan = program, link(program)
+        self.alone = alone  # what is started instead of what the program spawns at the top level
+        self.program, self.plan = program, linked(program, alone)
         self.namespace = namespace
         self.now = 0.0
         self.before = 0.0  # the time before the last tick: when the one before it ended, or as `ended` says
@@ -145,9 +148,9 @@ class Run:
         """Execute the top-level spawns in order, in a tick: all, or `only` the given ones."""
         self.remember(self.ticks - 1)
         self.pending = frozenset()
-        for spawn in self.plan.spawns:
+        for spawn in self.plan.beginning:
             if only is None or spawn.identity in only:
-                act = self.spawn(None, spawn)
+                act = self.spawn_first(spawn)
                 if act is not None:
                     self.tick_entered(act)
 
@@ -332,6 +335,21 @@ class Run:
             (enter or self.enter)(act, self.row(act, start))
             return act
         return None
+
+    def spawn_first(self, spawn: SpawnPlan) -> Activation | None:
+        """Execute a spawn with which a run begins; first create the machines around it, which do not run."""
+        parent: Activation | None = None
+        for end in range(1, len(spawn.inside), 2) if spawn.resolves else ():
+            machine = self.plan.machines[resolve(self.program).defined(spawn.inside[:end])]
+            items = self.plan.spawns if parent is None else parent.state.onentry
+            state = machine.states[spawn.inside[end]]
+            parent = self.create(machine, parent, spawn_of(items, machine.path), state)
+            parent.row = self.row(parent, state)
+        return self.spawn(parent, spawn)
+
+    def is_around(self, machine: Environment) -> bool:
+        """Return whether a machine only surrounds the one that is started alone."""
+        return self.alone is not None and self.alone.is_inside(machine.path)
 
     def is_running(self, machine: MachinePlan, parent: Activation | None) -> bool:
         """Return whether a machine runs where it would be spawned: beside, or around itself."""
@@ -540,7 +558,8 @@ class Run:
     def replace_program(self, program: Program, successors: Successors) -> None:
         """Continue with another program: the counts of its elements are kept, the others dropped."""
         self.add_firings()
-        self.program, self.plan = program, link(program)
+        self.alone = self.alone and self.alone.after(self.program, successors)
+        self.program, self.plan = program, linked(program, self.alone)
         self._set_counts(successors.carry(self.counts))
 
     def _set_counts(self, counts: Mapping[Element, Count]) -> None:
@@ -597,7 +616,7 @@ class Run:
         acts = [*self.walk()]
         return SavedState(
             [
-                (self, ("source", "roots", "pending", "started", "globals", "counts")),
+                (self, ("source", "alone", "roots", "pending", "started", "globals", "counts")),
                 (self.globals, ("own", "visible", "entered")),
                 *((act, _CARRIED) for act in acts),
             ],
@@ -617,7 +636,7 @@ class Run:
         self.now = self.journal.undo(self.ticks, ticks)
         if self._undone is not None and self._undone != self.source:
             self.program = parse(*self._undone) if isinstance(self._undone, tuple) else self._undone
-            self.plan = link(self.program)
+            self.plan = linked(self.program, self.alone)
         self._undone = None
         for act in self.walk():
             act.machine = self.plan.machines[act.place[:-1]]

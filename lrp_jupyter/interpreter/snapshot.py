@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from types import CellType, MappingProxyType
 from typing import Any, NamedTuple
 
+from lrp_jupyter.interpreter.alone import Alone
 from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.computed import ComputedName
 from lrp_jupyter.interpreter.copies import Packed, pack, unpack
@@ -54,6 +55,7 @@ class Snapshot:
     """
 
     source: tuple[str, str] | Program  # text and file name; the program itself if it has no text
+    alone: Alone | None
     tick: int
     now: float  # s
     before: float  # s: as in the run
@@ -145,6 +147,7 @@ def take(
     values = [content(cell) for cell in cells.values()]
     return Snapshot(
         run.source,
+        run.alone,
         run.ticks,
         run.now,
         run.before,

@@ -35,6 +35,7 @@ from lrp_jupyter.interpreter.linker import (
     SpawnPlan,
     StatePlan,
     VariablePlan,
+    spawn_of,
 )
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.interpreter.trace_events import UNSET
@@ -163,10 +164,8 @@ class Activation(Environment):
         if self.parent is not None:
             state = plan.state(self.parent.place)
             spawns = state.onentry if state is not None else ()
-        path = self.defined
-        return next(
-            (item.settings for item in spawns if isinstance(item, SpawnPlan) and item.target == path), None
-        )
+        spawn = spawn_of(spawns, self.defined)
+        return None if spawn is None else spawn.settings
 
     def retire(self) -> None:
         """Drop everything of the current plan, because the journal may keep a discarded activation for long.
@@ -337,6 +336,7 @@ class _Host(Protocol):
 
     @property
     def roots(self) -> Sequence[Activation]: ...
+    def is_around(self, act: Activation) -> bool: ...
     def count(self, element: Element) -> Count: ...
     def firing(self, transition: Element, state: Element) -> Count: ...
     def spawn(self, parent: Activation | None, plan: SpawnPlan) -> Activation | None: ...
@@ -488,7 +488,10 @@ def watched(run: _Host, site: Site, home: Environment, call: Call) -> Call:
 
 
 def bind_row(run: _Host, act: Activation, state: StatePlan) -> Row:
-    """Bind the blocks and transitions of `state` to `act`."""
+    """Bind the blocks and transitions of `state` to `act`; none of a machine around one started alone."""
+    if run.is_around(act):
+        bare = StatePlan(state.name, state.path, state.noun)
+        return Row(bare, (*act.path, state.name), run.count(Element("state", state.path)))
     edge = None
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)

@@ -24,7 +24,7 @@ def called(program: Program, kind: str, wanted: str | Path) -> list[Element]:
     path = as_path(wanted)
     known = [each for each in resolve(program).elements() if each.kind == kind]
     texts = {path_text(path)}
-    if _is_spawned(program, path):
+    if is_spawned(program, path):
         texts.add(path_text(as_defined(program, kind, path)))
     if isinstance(wanted, str):
         texts.add(wanted)
@@ -40,7 +40,7 @@ def _spellings(element: Element) -> Iterator[str]:
         yield f"{path_text(element.path[:-1])}:{element.path[-1]}"
 
 
-def _is_spawned(program: Program, path: Path) -> bool:
+def is_spawned(program: Program, path: Path) -> bool:
     """Return whether each state on a path contains or spawns the machine after it."""
     names = resolve(program)
     for end in range(3, len(path) + 1, 2):
@@ -94,7 +94,7 @@ def means(program: Program, wanted: str | Path, state: Path) -> bool:
         return state[-1:] == path
     if state[-1] != path[-1]:
         return False
-    wanted = as_defined(program, "state", path) if _is_spawned(program, path) else path
+    wanted = as_defined(program, "state", path) if is_spawned(program, path) else path
     return as_defined(program, "state", state) == wanted
 
 

@@ -17,6 +17,7 @@ from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.bridges.tasks import RobotTask
 from lrp_jupyter.errors import FileError, LRPError, sentence_of
 from lrp_jupyter.interpreter.trace_events import TraceEvent
+from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.recording import VERSION, RunStart
 from lrp_jupyter.live.running.checkpoints import COPIED
 from lrp_jupyter.live.running.inputs import EndRun, Input
@@ -180,6 +181,7 @@ def start_of(loop: Loop, seed: int | None = None, initials: Mapping[str, str] | 
         {name: text for name, text in values.items() if text is not None},
         bridge.safety.armed,
         datetime.now().astimezone().isoformat(timespec="milliseconds"),
+        path_text(interpreter.start or ()),
     )
 
 

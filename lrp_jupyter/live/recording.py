@@ -59,6 +59,7 @@ from lrp_jupyter.bridges.member_tree import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import FileError, UnknownElementError, sentence_of
 from lrp_jupyter.files import shown
+from lrp_jupyter.interpreter.alone import alone
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.edits.initials import with_initialiser
 from lrp_jupyter.language.parser import parse
@@ -106,6 +107,7 @@ class RunStart:
     `values`: the values of the `names` that can be written, as Python expressions.
     `armed`: whether commands were sent to the robot.
     `recorded`: when it was recorded, as ISO 8601 with the zone; empty if that is not known.
+    `start`: the machine, or state, that was started instead of what the program spawns; empty: none was.
     """
 
     text: str
@@ -122,6 +124,7 @@ class RunStart:
     values: Mapping[str, str] = field(default_factory=dict)
     armed: bool = True
     recorded: str = ""
+    start: str = ""
 
     def program(self, wanted: str | Program) -> Program:
         """Return a program, or that of a text, with the initial values of the run.
@@ -331,7 +334,9 @@ def _start(line: Line) -> RunStart:
         if not _STARTS[name](value):
             raise FileError(f"The field `{name}` is wrong: it is {short(value)}.")
     start = RunStart(**known)
-    start.program(start.text)
+    program = start.program(start.text)
+    if start.start:
+        alone(program, start.start)
     start.recorded_members()
     start.namespace()
     if start.world is not None:
@@ -384,6 +389,7 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "random": _is_state_of_random,
     "armed": lambda value: isinstance(value, bool),
     "recorded": lambda value: isinstance(value, str) and _is_date(value),
+    "start": lambda value: isinstance(value, str),
     "initials": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
     "values": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
 }

@@ -91,6 +91,7 @@ def reproduce(
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="replay",
         journal=recording.reach if recording.reach > TICKS else None,
+        start=start.start or None,
     )
     session._loop.is_copy = True
     with session._closed_on_error():

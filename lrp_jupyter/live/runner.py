@@ -78,6 +78,7 @@ class Runner:
         driver: Literal["thread", "asyncio"] | None = None,
         hung_after: float = 2.0,
         dead_man: float | None = None,
+        start: str | Path | None = None,
         **options: Any,
     ) -> None:
         check_type("program", program, (str, Program), "a text or a Program")
@@ -120,6 +121,7 @@ class Runner:
             on_issue=on_issue,
             journal=journal,
             output=self.output.print,
+            start=start,
         )
         self._changed = threading.Condition()
         self._warned = False

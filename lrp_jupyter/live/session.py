@@ -117,6 +117,10 @@ class Session(Runner):
         Wall seconds after which a block that does not return is reported.
     dead_man : float, optional
         Wall seconds without :meth:`seen` after which the program pauses.
+    start : str or path, optional
+        A machine (``"follower/looking/lookalgo"``) that runs instead of those that the program spawns at the
+        top level; or one of its states, by default that in which the program spawns it. The machines around
+        it do not run, but their variables exist.
     **options
         For the bridge: ``world="line"``.
 
@@ -124,6 +128,8 @@ class Session(Runner):
     ------
     LRPSyntaxError
         The text is not a valid program.
+    UnknownElementError, LRPError
+        There is no such machine or state to `start`, or it is not known in which state to start it.
     BridgeError
         There is no such bridge, or it does not take these options.
     TypeError, ValueError
