@@ -176,7 +176,7 @@ class Interface:
         companions = []
         if path.endswith(".data") or new is not None:
             kinds: tuple[tuple[str, Callable[[], object], str, str, type], ...] = (
-                ("new", new or partial(_read_now, reading), "", _NEW, tuple),
+                ("new", new or partial(read_now, reading), "", _NEW, tuple),
                 ("age", partial(_age_of, reading), "s", _AGE, float),
             )
             companions = [
@@ -681,7 +681,7 @@ def _is_companion(node: RobotVariable | RobotMethod) -> bool:
     return isinstance(node, RobotVariable) and bool(node.of)
 
 
-def _read_now(reading: RobotVariable) -> tuple[object, ...]:
+def read_now(reading: RobotVariable) -> tuple[object, ...]:
     """Return what a reading that is asked for has in this tick."""
     try:
         return (reading.read(),)

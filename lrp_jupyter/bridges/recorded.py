@@ -46,11 +46,14 @@ class RecordedBridge(Bridge, offered=False):
                 )
                 self.nodes.add(reading)
             else:
-                made = node.inert(self)
-                if isinstance(made, RobotTask):
-                    made.tasks = self.requested
-                made.redirect(partial(self._answer, made))
-                self.nodes.add(made)
+                self._add_inert(node)
+
+    def _add_inert(self, method: RobotMethod) -> None:
+        made = method.inert(self)
+        if isinstance(made, RobotTask):
+            made.tasks = self.requested
+        made.redirect(partial(self._answer, made))
+        self.nodes.add(made)
 
     def become(self, members: Iterable[RobotVariable | RobotMethod]) -> None:
         """Have other members, as the recorded robot has them from now on."""

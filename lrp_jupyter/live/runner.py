@@ -53,7 +53,8 @@ Value = TypeVar("Value")
 Until = str | Path | Callable[[Frame], object]
 """The end of a run or a wait: a state, by bare name or path, or a condition on a frame."""
 
-_open_sessions: weakref.WeakSet[Runner] = weakref.WeakSet()
+sessions: weakref.WeakSet[Runner] = weakref.WeakSet()
+"""All that exist, open or closed."""
 _ending: weakref.WeakSet[threading.Thread] = weakref.WeakSet()
 """The threads that end sessions which were dropped."""
 _LEAVING = 15.0  # s that the end of Python waits for one of them
@@ -144,7 +145,7 @@ class Runner:
         self.dead_man = dead_man
         """Wall seconds without a view after which the program pauses; None: it never does for that."""
         self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
-        _open_sessions.add(self)
+        sessions.add(self)
         self._dropped = weakref.finalize(self, _drop, name, self._driver, self._loop, self.bridge)
         self._dropped.atexit = False
 
@@ -343,7 +344,6 @@ class Runner:
             self.output.print(f"{error}\n")
         self.bridge.close()
         self._dropped.detach()
-        _open_sessions.discard(self)
 
     def _end(self, status: Literal["stopped", "closed"]) -> None:
         bridge = self.bridge
@@ -648,7 +648,8 @@ _KEYWORDS = tuple(inspect.signature(Runner).parameters)[:-1]
 
 @atexit.register
 def _close_all() -> None:
-    for session in tuple(_open_sessions):
-        session.close()
+    for session in tuple(sessions):
+        if session.status != "closed":
+            session.close()
     for thread in tuple(_ending):
         thread.join(_LEAVING)

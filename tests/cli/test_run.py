@@ -51,6 +51,25 @@ def test_a_run_is_traced_line_by_line(lrp, program):
     assert result.stdout.endswith("times real time\n")
 
 
+def test_one_machine_is_run_alone(lrp, program):
+    text = """(var n := [3])
+(machine outer
+  (state a (onentry [print("not this")] (spawn counter one))
+    (machine counter (state one) (state two (onentry [print("n is", n)])) (ontime 300 one -> two go))))
+(spawn outer a)
+"""
+    options = "--speed", "max", "--for", "1", "--bridge", "none"
+    result = lrp("run", program(text), "--start", "outer/a/counter", *options)
+    assert result.stdout.splitlines()[:-1] == [
+        "     0.0 s  outer/a/counter/one",
+        "     0.3 s  outer/a/counter/two  (go)",
+        "n is 3",
+    ]
+    result = lrp("run", program(text), "--start", "outer/a/count", *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "There is no machine or state `outer/a/count`. Did you mean `outer/a/counter`?" in result.stderr
+
+
 @pytest.mark.parametrize("options", [("--for", "1"), ("--until", "two")])
 def test_what_a_program_does_at_its_end_is_the_last_thing_in_a_trace(lrp, program, options):
     text = f"(onend [print('over')] [1 / 0]) {COUNT}"

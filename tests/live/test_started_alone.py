@@ -50,7 +50,9 @@ def test_a_recording_of_a_machine_that_is_missing_cannot_be_read(tmp_path):
     with Session(SEARCH, start=START) as session, session.record(path):
         session.run(1)
     path.write_text(path.read_text().replace(f'"{START}"', '"follower/looking/lookalgos"'))
-    with pytest.raises(FileError, match="line 1: A field is wrong: There is no machine or state `follower/looking/lookalgos`"):
+    with pytest.raises(
+        FileError, match="line 1: A field is wrong: There is no machine or state `follower/looking/lookalgos`"
+    ):
         read_recording(path)
 
 

@@ -470,7 +470,7 @@ class RosBridge(Bridge):
 
     def _contents(self, channel: Channel) -> tuple[object, ...]:
         messages = self._new_messages(channel.wire.variable, channel.arrivals)
-        return tuple(channel.content(message) for message in messages)
+        return tuple(message._content for message in messages)
 
     def _link(self) -> TopicLink:
         if self.wiring.link is None:

@@ -20,7 +20,7 @@ from lrp_jupyter.bridges.ros.rhythm import Motion, Rhythm
 from lrp_jupyter.bridges.ros.ros_request import RosRequest
 from lrp_jupyter.bridges.ros.setup import MEASURED, Wire
 from lrp_jupyter.bridges.ros.transforms import TRANSFORMS, TransformTree
-from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage, Types
+from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, RosMessage, Types
 from lrp_jupyter.errors import ended
 
 _SWITCHED_OFF = (
@@ -174,10 +174,6 @@ class Channel:
     def remark(self) -> str:
         """Return what is to be said of it where all is well; by default nothing."""
         return ""
-
-    def content(self, message: ReceivedMessage) -> object:
-        """Return a message, or its only field if that is ``data``."""
-        return message.data if self.own == ("data",) else message
 
     def receive(self, raw: Any, at: float | None = None) -> None:
         """Receive a raw message from the network; always on the same thread.

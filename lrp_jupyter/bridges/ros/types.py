@@ -94,6 +94,7 @@ class ReceivedMessage:
 
     __slots__: tuple[str, ...] = ()
     _type: ClassVar[str] = ""
+    _of_fields: ClassVar[Decode]
 
     def __init__(self, *values: object) -> None:
         for name, value in zip(self.__slots__, values, strict=True):
@@ -128,6 +129,11 @@ class ReceivedMessage:
     def __repr__(self) -> str:
         inside = zip(self.__slots__, self._values(), strict=True)
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in inside)})"
+
+    @property
+    def _content(self) -> object:
+        """Itself, or its only field if that is ``data``."""
+        return self.data if self.__slots__ == ("data",) else self
 
     def _values(self) -> tuple[object, ...]:
         return tuple(getattr(self, name) for name in self.__slots__)
@@ -250,6 +256,8 @@ class Types:
             if fields and not any(name in raw for name in fields):
                 raise ValueError(f"It has {', '.join(map(repr, raw)) or 'no fields'}.")
             return make({name: decoders[name](raw[name]) if name in raw else zeros[name] for name in fields})
+
+        kind._of_fields = decode
 
         return Form(kind, decode, make(zeros), self._unclear)
 

@@ -63,6 +63,6 @@ class RecordedRobot(NotAValue):
             return _EarlierAnswers(node, self._readings.get(f"{path}()")).answer
         if "." in name:  # asked for at once, see `language.blocks.companions`
             return attrgetter(name)(self)
-        if any(each.startswith(f"{path}.") for each in self._nodes):
+        if any(each.startswith(f"{path}.") for each in (*self._nodes, *self._readings)):
             return RecordedRobot(self._readings, self._nodes, f"{path}.")
         raise UnknownValueError(f"`robot.{path}` was not read in this tick.")

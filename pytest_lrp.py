@@ -1,0 +1,45 @@
+"""A plugin of pytest: a test that fails also says what the sessions of lrp-jupyter did that it used.
+
+It imports nothing of lrp_jupyter, which is in use only where a test has imported it.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+_BEFORE = pytest.StashKey[dict[int, int]]()
+
+
+def _sessions() -> list[Any]:
+    runner = sys.modules.get("lrp_jupyter.live.runner")
+    return [] if runner is None else sorted(runner.sessions, key=lambda session: session.name)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Note how far the sessions of earlier tests have come."""
+    item.stash[_BEFORE] = {id(session): session.interpreter.tick for session in _sessions()}
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
+    """Add a section for every session that a failed test has used."""
+    result: Any = yield
+    test = result.get_result()
+    if test.failed:
+        before = item.stash.get(_BEFORE, {})
+        used = [each for each in _sessions() if before.get(id(each)) != each.interpreter.tick]
+        test.sections += [(f"lrp: {session.name}", _report(session)) for session in used]
+
+
+def _report(session: Any) -> str:
+    from lrp_jupyter.testing import report
+
+    try:
+        return report(session)
+    except Exception as error:  # the test has failed, and that is to be seen whatever else fails
+        return f"The session cannot be asked: {error}"
