@@ -18,6 +18,7 @@ from pygments.lexers.python import PythonLexer
 from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, Text
 
 import lrp_jupyter
+import lrp_jupyter.testing
 from lrp_jupyter import Session
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.codes import CODES, Code
@@ -149,7 +150,12 @@ def api() -> str:
             members += "\n   :inherited-members:"
         entry = f"```{{eval-rst}}\n.. auto{kind}:: lrp_jupyter.{name}{members}\n```"
         parts[_PARTS[public.__module__.split(".")[1]]].append(entry)
-    order = dict.fromkeys(_PARTS.values())
+    for name in lrp_jupyter.testing.__all__:
+        kind = "class" if isinstance(getattr(lrp_jupyter.testing, name), type) else "function"
+        members = "\n   :members:" if kind == "class" else ""
+        entry = f"```{{eval-rst}}\n.. auto{kind}:: lrp_jupyter.testing.{name}{members}\n```"
+        parts["Tests"].append(entry)
+    order = [*dict.fromkeys(_PARTS.values()), "Tests"]
     return "\n\n".join("\n\n".join([f"## {part}", *parts[part]]) for part in order if part in parts)
 
 

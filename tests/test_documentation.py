@@ -15,6 +15,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 
 import lrp_jupyter
+import lrp_jupyter.testing
 from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.language.deviations import DEVIATIONS
@@ -122,6 +123,8 @@ def test_every_public_name_is_described(site: Site):
     anchors = site.pages[site.folder / "api.html"].anchors
     assert {f"lrp_jupyter.{name}" for name in lrp_jupyter.__all__} <= anchors
     assert "lrp_jupyter.Session.set_variable" in anchors
+    assert {f"lrp_jupyter.testing.{name}" for name in lrp_jupyter.testing.__all__} <= anchors
+    assert "lrp_jupyter.testing.RobotStub.table" in anchors
 
 
 def test_what_the_package_knows_is_listed(site: Site):

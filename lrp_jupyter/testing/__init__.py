@@ -12,7 +12,7 @@ True
 [0 s to 0.9 s: robot.move(linear=0.2), 1 s: robot.stop()]
 """
 
-from lrp_jupyter.testing.report import report
 from lrp_jupyter.testing.robot_stub import RobotStub, StubCommand
+from lrp_jupyter.testing.run_report import report
 
 __all__ = ["RobotStub", "StubCommand", "report"]

@@ -133,6 +133,10 @@ class RobotStub(RecordedBridge, offered=False):
         stub.complete = complete  # type: ignore[misc]
         return stub
 
+    def __repr__(self) -> str:
+        count = len(self._commands)
+        return f"<{type(self).__name__}: {len(self._settable)} readings, {count} command{'s' * (count != 1)}>"
+
     # -- what the test says -----------------------------------------------------------------------
 
     def __setitem__(self, name: str, value: object) -> None:

@@ -36,7 +36,7 @@ At 1 s, after 10 ticks, `m/waiting/inner/two` was active.
 The last transitions:
    0.5 s  m: driving → waiting  (on [robot.light.data < 128] driving -> waiting dark)
    0.8 s  m/waiting/inner: one → two  (ontime 300 one -> two)
-Why no other transition fired:
+In the last tick:
   `light` (line 8) did not fire at 0.9 s: `robot.light.data >= 128` was False (`robot.light.data` was 20). \
 It was last true at 0.4 s, when `driving` was active.
 LRP601 in line 6: ZeroDivisionError: division by zero"""
@@ -126,7 +126,7 @@ def test_a_machine_that_was_started_alone_is_reported_without_those_around_it():
         assert report(session).splitlines() == [
             "At 0.2 s, after 2 ticks, `m/waiting/inner/one` was active.",
             "No transition has fired.",
-            "Why no other transition fired:",
+            "In the last tick:",
             "  `300:one->two` (line 6) did not fire at 0.1 s: only 100 of 300 ms had passed since `one` was "
             "entered at 0 s, when `inner` started.",
         ]

@@ -54,7 +54,7 @@ def _lines(session: Session, loop: Loop) -> Iterator[str]:
         way = f"{fact.source} → {fact.destination}"
         yield f"{time_text(run.time(when)):>8}  {path_text(fact.machine)}: {way}{text}"
     reasons = list(_reasons(run)) if ticks else []
-    yield from ["Why no other transition fired:", *reasons] if reasons else []
+    yield from ["In the last tick:", *reasons] if reasons else []
     for issue in frame.issues:
         if not issue.resolved:
             yield f"{issue.code} in line {issue.line}: {issue.message}"
