@@ -2,8 +2,11 @@
 
 import subprocess
 import sys
+import tomllib
+from pathlib import Path
 
 import pytest
+from hatchling.builders.wheel import WheelBuilder
 
 from lrp_jupyter import Session
 from lrp_jupyter.testing import RobotStub, report
@@ -130,6 +133,14 @@ def test_a_machine_that_was_started_alone_is_reported_without_those_around_it():
             "  `300:one->two` (line 6) did not fire at 0.1 s: only 100 of 300 ms had passed since `one` was "
             "entered at 0 s, when `inner` started.",
         ]
+
+
+def test_the_plugin_is_installed_with_the_package():
+    project = Path(__file__).parents[2]
+    about = tomllib.loads((project / "pyproject.toml").read_text(encoding="utf-8"))
+    assert about["project"]["entry-points"]["pytest11"] == {"pytest_lrp": "pytest_lrp"}
+    wheel = WheelBuilder(str(project)).recurse_included_files()
+    assert "pytest_lrp.py" in {file.distribution_path for file in wheel}
 
 
 @pytest.mark.slow
