@@ -377,9 +377,10 @@ class Run:
                 self.log += (parent.children, parent.entered, parent.place, parent, undo_change)
             parent.children += (act,)
         self.unordered = self.attention = True
-        by = parent.full_path if parent is not None else ()
-        self.note(Spawned(act.path, by, machine.path))
-        self.emit("spawned", act.path)
+        if not self.is_around(act):
+            by = parent.full_path if parent is not None and not self.is_around(parent) else ()
+            self.note(Spawned(act.path, by, machine.path))
+            self.emit("spawned", act.path)
         settings = {} if plan is None else plan.settings
         for name, setting in settings.items():
             if all(variable.name != name for variable in machine.variables):

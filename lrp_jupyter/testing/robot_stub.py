@@ -126,8 +126,8 @@ class RobotStub(RecordedBridge, offered=False):
         members = [*made.nodes.members()]
         if not members:
             raise BridgeError(
-                f"The bridge `{made.name}` knows no member of `robot` without a connection. Pass what says "
-                'them, such as `setup="robot.json"`.'
+                f"The bridge `{made.name}` knows no member of `robot` without a connection. Pass what names "
+                'them, such as `setup="robot.json"`; a bridge of your own adds them in `add_members`.'
             )
         stub = cls(members)
         stub.complete = complete  # type: ignore[misc]
@@ -324,7 +324,7 @@ class RobotStub(RecordedBridge, offered=False):
 
 
 def _maker(reading: RobotVariable) -> Callable[[Mapping[str, Any]], object] | None:
-    """Return what makes a message of its fields; None if a reading is no message."""
+    """Return what makes a message of its fields; None if it is not a message."""
     is_unknown = isinstance(reading.type, str) and "/" in reading.type
     found: Callable[[Mapping[str, Any]], object] | None = getattr(reading.type, "_of_fields", None)
     return _namespace if is_unknown else found

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lrp_jupyter import Session, UnknownElementError
+from lrp_jupyter import Session
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
@@ -69,12 +69,22 @@ def test_a_fork_goes_on_with_it_and_starts_it_again():
         assert all(each.reached for each in session.try_values("turn", [1, 2], 20, until="moving"))
 
 
-def test_what_does_not_run_is_said_to_be_around_it():
+def test_answers_know_what_does_not_run_and_why():
     with Session(SEARCH, "sim", world="line", start=START) as session:
-        session.run(0.5)
-        assert str(session.why_not("seen:looking->moving")) == (
-            "`seen:looking->moving` (line 16) did not fire at 0.4 s: `follower` was not running. "
-            "Only `follower/looking/lookalgo`, which is inside it, was started."
+        session.run(0.1)
+        assert str(session.why("left")) == (
+            "`left` was entered at 0 s when the program started: `lookalgo` is started alone."
         )
-        with pytest.raises(UnknownElementError):
-            Session(SEARCH, start="follower/looking/lookalgos")
+        around = (
+            "`follower` was not running. Only `follower/looking/lookalgo`, which is inside it, was started."
+        )
+        asked = "seen:looking->moving"
+        assert str(session.why_not(asked)) == f"`{asked}` (line 16) did not fire at 0 s: {around}"
+        assert str(session.why("looking")) == f"`looking` has not been entered: {around}"
+        assert {each.lane for each in session.timeline().happenings} == {(), tuple(START.split("/"))}
+        session.reset()
+        session.run(0.2)
+        assert str(session.why("left")) == (
+            "`left` was entered at 0.1 s because the program restarted (it was reset): "
+            "`lookalgo` is started alone."
+        )

@@ -42,7 +42,9 @@ def described(bridge):
 def test_a_stub_has_the_members_of_every_bridge_that_knows_them_without_a_connection():
     """With their descriptions, units, limits and signatures; the checks of a program see no difference."""
     compared = []
-    for name in [*find_bridges(), Cart, Buggy, Courier]:
+    offers = find_bridges().items()  # other tests may have defined some
+    own = [name for name, offer in offers if offer.load().__module__.startswith("lrp_jupyter.")]
+    for name in [*own, Cart, Buggy, Courier]:
         for options in OPTIONS.get(name, [{}]):
             real = make_bridge(name, **options)
             if name == "none":

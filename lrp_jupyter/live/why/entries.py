@@ -41,19 +41,22 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
     ]
     where = f" (line {lines[0]})" if lines else ""
     spawn = f"`(spawn {machine} {name})`{where}"
+    starts = f"{spawn} starts it there"
+    if not by and run.loop.interpreter.start is not None:
+        lines, starts = [], f"`{machine}` is started alone"
     restart = restart_of(run.history.facts(when - 0.5))
     code: StateCode = "spawned"
     if command is not None:
         why = f"because an edit added {spawn}"
     elif by:
-        why = f"because `{by[-1]}` was entered, and its {spawn} starts it there"
+        why = f"because `{by[-1]}` was entered, and its {starts}"
     elif restart is not None:
         code = "restarted"
-        why = f"because the program restarted ({restart_text(restart)}): {spawn} starts it there"
+        why = f"because the program restarted ({restart_text(restart)}): {starts}"
     elif tick == 1:
-        why = f"when the program started: {spawn} starts it there"
+        why = f"when the program started: {starts}"
     else:
-        why = f"because {spawn} starts it there"
+        why = f"because {starts}"
     draft.say(f"{was_entered} {why}.", *lines, line)
     say_whether_it_acted(draft, run, entered, when)
     return draft.reason(code, tick, time)

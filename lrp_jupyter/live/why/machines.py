@@ -37,8 +37,9 @@ def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so:
             draft.say(f"{so}: `{name}` was spawned{where} in this very tick, {by}.", *lines)
             return
     draft.say(f"{so}: `{name}` was not running.")
-    if any(each.is_around and each.state[:-1] == path for each in run.state(tick).walk()):
-        draft.say(f"Only `{path_text(run.loop.interpreter.start or ())}`, which is inside it, was started.")
+    start = run.loop.interpreter.start or ()
+    if path in (resolve(program).defined(start[:end]) for end in range(1, len(start) - 1, 2)):
+        draft.say(f"Only `{path_text(start)}`, which is inside it, was started.")
         return
     _how_it_ended(draft, run, path, tick)
     lines = [line_of(program, spawning.noun) for spawning in spawns]
