@@ -79,10 +79,8 @@ def _spawn(program: Program, plan: Plan, start: Alone) -> SpawnPlan:
     own = [item for item in items if isinstance(item, SpawnPlan) and item.target == target]
     first, problem = _first(program, start, [item.start for item in own if item.resolves])
     site = own[0].site if own else Site(Element("spawn", (*around[-1], path[-1]) if around else path), 0, 0)
-    settings = own[0].settings if own else {}
-    if problem:
-        return SpawnPlan(site, first, Broken("unknown machine", problem), False, settings, path[:-1])
-    return SpawnPlan(site, first, target, True, settings, path[:-1])
+    found = Broken("unknown machine", problem) if problem else target
+    return SpawnPlan(site, first, found, not problem, own[0].settings if own else {}, path[:-1])
 
 
 def _first(program: Program, start: Alone, spawned: list[str]) -> tuple[str, str]:
