@@ -145,7 +145,6 @@ def pack(folder: Path) -> Path:
         and not (name := file.relative_to(package).as_posix()).startswith(_LEFT_OUT)
         and "__pycache__" not in file.parts
     }
-    files["pytest_lrp.py"] = package.with_name("pytest_lrp.py").read_bytes()  # an entry point
     info = f"lrp_jupyter-{installed.version}.dist-info"
     for name in ("METADATA", "entry_points.txt"):
         files[f"{info}/{name}"] = (installed.read_text(name) or "").encode()

@@ -26,7 +26,7 @@ def tested(pytester):
     def run(program):
         (pytester.path / "guard.lrp").write_text(program, encoding="utf-8")
         (pytester.path / "test_guard.py").write_text(TEST, encoding="utf-8")
-        return pytester.runpytest_inprocess("-p", "pytest_lrp", "-p", "no:cacheprovider")
+        return pytester.runpytest_inprocess("-p", "no:cacheprovider")
 
     return run
 

@@ -1,6 +1,6 @@
-"""A plugin of pytest: a test that fails also says what the sessions of lrp-jupyter did that it used.
+"""A plugin of pytest: a test that fails also says what the sessions that it used did.
 
-It imports nothing of lrp_jupyter, which is in use only where a test has imported it.
+It imports no other module of this package: sessions are in use only where a test has imported them.
 """
 
 from __future__ import annotations
