@@ -27,6 +27,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import texts
 from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import LabPage, NotebookPage
+from runs import record
 from wire import Wire
 
 from lrp_jupyter import programs
@@ -368,6 +369,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="see that it runs; the figures mean nothing")
     parser.add_argument("--traffic", action="store_true", help="only count messages")
+    parser.add_argument("--runs", type=int, default=0, help="recorded minutes kept beside the program")
     parser.add_argument("--soak", type=float, default=60, help="seconds at 100 Hz, 600 at most")
     options = parser.parse_args()
     if lacking():
@@ -380,6 +382,7 @@ def main() -> None:
         jupyter(Path(home)) as server,
         sync_playwright() as playwright,
     ):
+        record(Path(home, "bench", "m.runs"), PROGRAM, options.runs)
         browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
         context = browser.new_context(viewport={"width": 1600, "height": 1000})
         page = context.new_page()

@@ -1,7 +1,7 @@
 """How soon kept runs are decided about after an edit: ``python tests/benchmarks/runs.py``.
 
-Fourteen recorded minutes of the line follower, each with other noise, on all processors. Beside them a session
-runs as in a lab, with and without the runs, and says how late its ticks come.
+Fourteen recorded minutes of the line follower, each with other noise, on all processors. Beside them a
+session runs as in a lab, with and without the runs, and says how late its ticks come.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import statistics
 import sys
 import tempfile
 import threading
+from itertools import pairwise
 from pathlib import Path
 from time import perf_counter, sleep
 
@@ -62,7 +63,7 @@ def lateness(seconds: float, during: Session) -> list[float]:
     end = during.on_tick(lambda: times.append(perf_counter()))
     sleep(seconds)
     end()
-    gaps = [after - before for before, after in zip(times, times[1:], strict=False)]
+    gaps = [after - before for before, after in pairwise(times)]
     return [1000 * abs(gap - 1 / during.rate) for gap in gaps]
 
 
@@ -88,9 +89,8 @@ def main() -> None:
             runs = ShownRuns(folder)
             decided = Decided(runs)
             cold = decided.wait(session)
-            print(
-                f"{options.runs} recorded minutes, {size:.1f} MB\n\n| what | median | 95th percentile | |\n|---|---:|---:|---|"
-            )
+            print(f"{options.runs} recorded minutes, {size:.1f} MB\n")
+            print("| what | median | 95th percentile | |\n|---|---:|---:|---|")
             row("the first time, when the processes start, until all are decided about", [cold[1]], "s")
             both = []
             for number in range(options.edits):
@@ -114,7 +114,7 @@ def main() -> None:
             typing.join()
             row("ticks of the session, alone: too early or too late by", alone, "ms")
             row(
-                "the same while the program is edited three times a second, and the runs decided",
+                "the same while the program is edited, and the runs decided about, three times a second",
                 beside,
                 "ms",
             )
