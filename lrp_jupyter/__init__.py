@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from lrp_jupyter.live.running.checking import check as check
     from lrp_jupyter.live.running.frame import Frame as Frame
     from lrp_jupyter.live.session import Session as Session
+    from lrp_jupyter.runs.decide import decide as decide
     from lrp_jupyter.sim import World as World
     from lrp_jupyter.widgets.lab import Controls as Controls
     from lrp_jupyter.widgets.lab import Editor as Editor
@@ -77,6 +78,7 @@ _HOMES = {
     "grading.sweep": ("sweep",),
     "live.running.frame": ("Frame",),
     "live.session": ("Session",),
+    "runs.decide": ("decide",),
     "sim": ("World",),
     "graph.state_graph": ("state_graph",),
     "widgets.lab": ("Controls", "Editor", "Issues", "Lab", "SimView", "StateGraph", "Variables"),

@@ -190,6 +190,8 @@ class Lab(Part):
         goal; without a text it begins with that of the challenge.
     edits, graph, quiet, lock : optional
         The conditions of a study, as in `set_conditions`; if none is given, they stay as they are.
+    runs : str or path, optional
+        A folder of recordings that are run again after every edit, beside those in ``NAME.runs``.
     log : str or path, optional
         A file, such as ``"participant-07.lrplog"``: the session is recorded in it until it is closed, and
         also what a person looks at in the pages that show it, which say so. If it exists, the name gets a
@@ -231,6 +233,7 @@ class Lab(Part):
         graph: GraphMode | None = None,
         quiet: bool | None = None,
         lock: bool | None = None,
+        runs: str | os.PathLike[str] | None = None,
         log: str | os.PathLike[str] | None = None,
         **options: Any,
     ) -> None:
@@ -242,6 +245,8 @@ class Lab(Part):
             if log is not None:
                 program.record_until_closed(log)
             connection = registry.connection_of(program)
+            if runs is not None:
+                connection.runs.attach_folder(FilePath(runs))
             if conditions is not None:
                 connection.texts.set_conditions(conditions)
                 connection.wake()
@@ -264,6 +269,7 @@ class Lab(Part):
             on_active_edit=on_active_edit,
             task=task,
             conditions=conditions,
+            runs=runs,
             log=log,
             **options,
         )

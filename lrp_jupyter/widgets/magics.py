@@ -42,6 +42,8 @@ _HELP = """\
                       the conditions of a study: edits wait for Apply; the graph is drawn on request,
                       or not shown; nothing of the run is shown outside of it; the page cannot
                       change that. Naming one resets the others; naming none changes nothing
+       [--runs FOLDER]
+                      recordings of that folder are run again after every edit, beside those in NAME.runs
        [--log FILE]   record the session, and what its user looks at, in a file of this computer
 %lrp                  list the programs that are open
 %lrp NAME             show the lab of a program again
@@ -102,6 +104,7 @@ _VALUES = {
     "challenge": "square",
     "edits": "hold",
     "graph": "static",
+    "runs": "accidents",
     "log": "participant-07.lrplog",
 }
 _CHOICES = {**CHOICES, "on-active-edit": ("restart", "keep")}

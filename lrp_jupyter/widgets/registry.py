@@ -115,6 +115,7 @@ def open_program(
     given_in: str = "cell",
     task: Challenge | None = None,
     conditions: Conditions | None = None,
+    runs: str | os.PathLike[str] | None = None,
     log: str | os.PathLike[str] | None = None,
     line: str = "",
     **options: Any,
@@ -129,6 +130,7 @@ def open_program(
     `given_in`: where this text comes from, in a word: a cell, or a link.
     `task`: the challenge of the program: its first world is loaded, its goal shown.
     `conditions`: None: as before.
+    `runs`: a folder of recordings that are run again with every new text, beside those in ``NAME.runs``.
     `log`: the file in which the session is recorded; if it exists, the name gets a number.
     `line`: the first line of the cell, without ``%%lrp``; default: the arguments, as such a line has them.
     `options`: for the bridge: ``world="line"``.
@@ -173,6 +175,8 @@ def open_program(
             connection.change_bridge(bridge, **options)
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
+    if runs is not None:
+        connection.runs.attach_folder(FilePath(folder or os.getcwd()) / FilePath(runs).expanduser())
     if conditions is not None:
         connection.texts.set_conditions(conditions)
     if task is not None and (connection.goal is None or connection.goal.task != task):

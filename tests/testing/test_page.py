@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from lrp_jupyter import Session
+from lrp_jupyter import Session, VirtualClock
 from lrp_jupyter.bridges import MemberError
+from lrp_jupyter.cli.runs_command import decide_runs
 from lrp_jupyter.errors import StaleData
+from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.testing import RobotStub
 
 pytest_plugins = ["pytester"]
@@ -16,7 +18,7 @@ pytest_plugins = ["pytester"]
 PAGE = (Path(__file__).parents[2] / "notebooks" / "test-a-behaviour.md").read_text(encoding="utf-8")
 (PROGRAM,) = re.findall(r"^```lrp\n(.*?)^```", PAGE, re.M | re.S)
 TEST, SHOWN = re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S)
-(PRINTED,) = re.findall(r"^```text\n(.*?)^```", PAGE, re.M | re.S)
+PRINTED, DECIDED = re.findall(r"^```text\n(.*?)^```", PAGE, re.M | re.S)
 
 
 @pytest.fixture
@@ -40,6 +42,18 @@ def test_a_test_that_fails_prints_what_the_page_shows(tested):
     result = tested(PROGRAM.replace("[0.4]", "[0.25]"))
     result.assert_outcomes(passed=2, failed=1)
     assert PRINTED in f"{result.stdout}\n"
+
+
+def test_the_runs_are_decided_about_as_the_page_shows(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name in ("close call", "corridor"):
+        with Session(PROGRAM, "sim", VirtualClock(), world="maze", name="guard") as session:
+            session.run(20)
+            session.keep(name)
+    Path("guard.runs", "expected.toml").write_text('"close call" = "never touches"', encoding="utf-8")
+    Path("guard.lrp").write_text(PROGRAM.replace("[0.4]", "[0.25]"), encoding="utf-8")
+    assert decide_runs("guard.lrp", [], HowRun(), coverage=False, junit=None, trusted=False) == 1
+    assert capsys.readouterr().out == DECIDED
 
 
 def test_the_commands_are_those_that_the_page_shows():

@@ -234,8 +234,8 @@ class ShownRuns:
         remove(self._named(name))
         self._changed()
 
-    def attach_folder(self, folder: str) -> None:
-        """Show the runs of another folder, too."""
+    def attach_folder(self, folder: str | Path) -> None:
+        """Show the runs of another folder, too. Raises FileError: there is none, or it cannot be read."""
         path = Path(folder).expanduser()
         kept_runs(path)  # raises what is wrong
         if path not in self.attached:
