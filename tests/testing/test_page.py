@@ -18,6 +18,7 @@ pytest_plugins = ["pytester"]
 PAGE = (Path(__file__).parents[2] / "notebooks" / "test-a-behaviour.md").read_text(encoding="utf-8")
 (PROGRAM,) = re.findall(r"^```lrp\n(.*?)^```", PAGE, re.M | re.S)
 TEST, SHOWN = re.findall(r"^```python\n(.*?)^```", PAGE, re.M | re.S)
+(EXPECTED,) = re.findall(r"^```toml\n(.*?)^```", PAGE, re.M | re.S)
 PRINTED, DECIDED = re.findall(r"^```text\n(.*?)^```", PAGE, re.M | re.S)
 
 
@@ -46,11 +47,11 @@ def test_a_test_that_fails_prints_what_the_page_shows(tested):
 
 def test_the_runs_are_decided_about_as_the_page_shows(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    for name in ("close call", "corridor"):
+    for name in ("close call", "corridor", "first wall"):
         with Session(PROGRAM, "sim", VirtualClock(), world="maze", name="guard") as session:
             session.run(20)
             session.keep(name)
-    Path("guard.runs", "expected.toml").write_text('"close call" = "never touches"', encoding="utf-8")
+    Path("guard.runs", "expected.toml").write_text(EXPECTED, encoding="utf-8")
     Path("guard.lrp").write_text(PROGRAM.replace("[0.4]", "[0.25]"), encoding="utf-8")
     assert decide_runs("guard.lrp", [], HowRun(), coverage=False, junit=None, trusted=False) == 1
     assert capsys.readouterr().out == DECIDED
