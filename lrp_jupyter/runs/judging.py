@@ -15,6 +15,7 @@ from lrp_jupyter.language.lookup import means
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.coverage import coverage_of
+from lrp_jupyter.live.past.replay import Ticked
 from lrp_jupyter.live.past.timeline import Happening
 from lrp_jupyter.live.past.what_if import Divergence, first_event
 from lrp_jupyter.live.recording import Line, Recording
@@ -26,6 +27,8 @@ from lrp_jupyter.runs.expectation import Expectation, ExpectedPart
 from lrp_jupyter.runs.outcome import PartVerdict, RunOutcome, StateEntered
 from lrp_jupyter.runs.renamed import Names, path_now, renamed
 
+_ROUNDING = 1e-6  # s
+
 
 class RunWatch:
     """What is noted of a run: states and commands, what the robot touches, the challenges' criteria."""
@@ -36,6 +39,7 @@ class RunWatch:
         self.touches: list[tuple[float, str]] = []
         self._session = session
         self._touched: frozenset[str] = frozenset()
+        self._decided: set[str] = set()  # the challenges whose criteria are decided about
         session.observe(self._see)
         bridge = session.bridge
         self._is_open_loop = isinstance(bridge, RecordedBridge)
@@ -63,8 +67,9 @@ class RunWatch:
             for solid in touched - self._touched:
                 self.touches.append((session._loop.timing.now, solid))
             self._touched = touched
-            for referee in self.referees.values():
-                referee.see(bridge, session.interpreter, self._findings)
+            for name, referee in self.referees.items():
+                if name not in self._decided and referee.see(bridge, session.interpreter, self._findings):
+                    self._decided.add(name)
         return False
 
 
@@ -91,7 +96,10 @@ def judged(recording: Recording, session: Session, watch: RunWatch, expected: Ex
     """Return what came of a run, and the verdict on each part of what is expected."""
     names = renamed(parse(recording.start.text), session.program)
     recorded = [*_recorded(recording.followed, names, "state")]
-    differs = first_event(recorded, watch.happenings)
+    end = (
+        max((entry.time for entry in recording.entries if isinstance(entry, Ticked)), default=0.0) + _ROUNDING
+    )
+    differs = first_event(recorded, (each for each in watch.happenings if each.time <= end))
     is_open_loop = isinstance(session.bridge, RecordedBridge)
     other: Divergence | None = None
     if is_open_loop:

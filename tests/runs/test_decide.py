@@ -102,6 +102,19 @@ def test_a_real_robots_recording_is_an_open_loop_from_the_first_difference_on(ke
     assert (later.passed, later.open_loop, later.time) == (False, 0.6, 0.6)
 
 
+def test_a_simulated_run_goes_on_as_long_as_what_is_expected_of_it_may_take(keep):
+    (run,) = kept_runs(keep(seconds=3))
+    (short,) = decide(LAPS, [run]).outcomes.values()
+    (longer,) = decide(
+        LAPS, [run._replace(expected="as recorded, reaches away within 30 s")]
+    ).outcomes.values()
+    assert (short.passed, longer.passed) == (True, True)
+    assert (short.seconds, longer.seconds) == (3, 30)
+    real = keep(text=ROVER, bridge=Rover, act=lambda session: session.bridge.arm(), seconds=0.5)
+    (open_loop,) = decide(ROVER, [real]).outcomes.values()
+    assert open_loop.seconds == 0.5
+
+
 def slowed(session):
     session.run(0.1)
     session.set_variable("pace", evaluate="-0.1")
