@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import threading
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, sentence_of
 from lrp_jupyter.files import shown
 from lrp_jupyter.grading.workers import Halt, HowRun
+from lrp_jupyter.language.program import Path as ProgramPath
 from lrp_jupyter.language.program import Program, path_text
-from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.live.coverage import Coverage
+from lrp_jupyter.live.coverage import coverage_from
 from lrp_jupyter.live.past.fork import unkept
 from lrp_jupyter.live.recording import recording_of
 from lrp_jupyter.live.session import Session
@@ -61,7 +61,8 @@ class ShownRuns:
         self._runs: tuple[KeptRun, ...] = ()
         self._outcomes: dict[Path, RunOutcome] = {}
         self._decided: set[Path] = set()  # those of which the outcome is that of the wanted program
-        self._coverage: tuple[Program, Coverage] | None = None
+        self._views: dict[Path, tuple[object, KeptRunView]] = {}  # and of what each was made
+        self._coverage: CoverageView | None = None  # of all runs, once they are decided about
         self._wanted: tuple[Session, Program] | None = None
         self._number = 0  # of what is wanted
         self._halt = Halt()
@@ -102,39 +103,23 @@ class ShownRuns:
                 "waiting": len(self._runs) - len(self._decided),
                 "expected": f"meets {challenge}" if challenge else AS_RECORDED,
                 "keeps": unkept(session._loop),
-                "coverage": self._coverage_view(),
+                "coverage": self._coverage,
                 "error": self._error,
             }
 
     def kept(self) -> dict[str, KeptRunView]:
         """Return what is shown of each run."""
         with self._lock:
-            return {
-                run.name: _run_view(run, self._outcomes.get(run.file), run.file in self._decided)
-                for run in self._runs
-            }
+            return {run.name: self._run_view(run) for run in self._runs}
 
-    def _coverage_view(self) -> CoverageView | None:
-        if not self._runs or len(self._decided) < len(self._runs) or self._wanted is None:
-            return None
-        program = self._wanted[1]
-        runs = [self._outcomes[run.file].coverage for run in self._runs]
-        elements = [*resolve(program).elements()]
-        reached: dict[str, dict[str, list[int]]] = {}
-        for kind in ("state", "transition"):
-            paths = [path_text(path) for each, path in elements if each == kind]
-            reached[kind] = {
-                path: [number for number, run in enumerate(runs) if path in run[f"{kind}s"]] for path in paths
-            }
-        ways: dict[str, OneWay] = {}
-        for arrow in (arrow for each in resolve(program).arrows.values() for arrow in each):
-            if arrow.noun.trigger.keyword == "on":
-                path = path_text(arrow.element.path)
-                found = [run["conditions"][path] for run in runs if path in run["conditions"]]
-                held, failed = any(each[0] for each in found), any(each[1] for each in found)
-                if not (held and failed):
-                    ways[path] = "never false" if held else "never true" if failed else "never tested"
-        return {"states": reached["state"], "transitions": reached["transition"], "conditions": ways}
+    def _run_view(self, run: KeptRun) -> KeptRunView:
+        """Return what is shown of a run: the same object as long as it is the same."""
+        made_of = run, self._outcomes.get(run.file), run.file in self._decided
+        known, view = self._views.get(run.file, (None, None))
+        if view is None or known != made_of:
+            view = _run_view(*made_of)
+            self._views[run.file] = made_of, view
+        return view
 
     # -- deciding: on a thread of its own --------------------------------------------------------------
 
@@ -144,6 +129,7 @@ class ShownRuns:
             self._wanted = session, session.program
             self._number += 1
             self._decided.clear()
+            self._coverage = None
             self._halt.set()
             self._lock.notify_all()
             if self._thread is None and session.driver != "asyncio":
@@ -169,6 +155,9 @@ class ShownRuns:
                 error = traceback.format_exc()
             with self._lock:
                 self._error = error
+                if not error and len(self._decided) == len(self._runs) > 0:
+                    runs = [self._outcomes[run.file].coverage for run in self._runs]
+                    self._coverage = _coverage_view(program, runs)
             self._wake()
 
     def _look(self) -> None:
@@ -290,6 +279,26 @@ def _run_view(run: KeptRun, outcome: RunOutcome | None, is_decided: bool) -> Kep
         "recorded": _strip(known.recorded, lane),
         "now": _strip(known.now, lane),
         "issues": known.issues,
+    }
+
+
+def _coverage_view(program: Program, runs: Sequence[Mapping[str, Any]]) -> CoverageView:
+    """Return in which runs, by their numbers, each part of a program was reached."""
+    coverage = coverage_from(program, runs)
+
+    def reached(kind: str, paths: Iterable[ProgramPath]) -> dict[str, list[int]]:
+        texts = map(path_text, paths)
+        return {text: [number for number, run in enumerate(runs) if text in run[kind]] for text in texts}
+
+    ways: dict[str, OneWay] = {
+        path_text(path): "never false" if held else "never true" if failed else "never tested"
+        for path, (held, failed) in coverage.conditions.items()
+        if not (held and failed)
+    }
+    return {
+        "states": reached("states", coverage.states),
+        "transitions": reached("transitions", coverage.transitions),
+        "conditions": ways,
     }
 
 
