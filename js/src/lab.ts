@@ -7,15 +7,18 @@ import { cellAround, type HostedModel, runBelow } from "./host/notebook";
 import { cellSource } from "./host/source";
 import { breakpointsView } from "./parts/breakpointlist";
 import { controls } from "./parts/controls";
+import { coverageSwitch } from "./parts/coverage";
 import { editorPanel } from "./parts/editor";
 import { glances } from "./parts/glance";
 import { goalView } from "./parts/goal";
 import { type Inspector, inspector } from "./parts/inspector";
 import { errorsIn, issuesView } from "./parts/issues";
+import { attachForm, keepForm } from "./parts/keep";
 import type { Choices } from "./parts/menu";
 import { announcer, notes } from "./parts/notes";
 import { openForm } from "./parts/open";
 import { restarts } from "./parts/restarts";
+import { runsView } from "./parts/runs";
 import { saveForm } from "./parts/save";
 import { looked, recorded, watchPointer, withheld } from "./parts/study";
 import { together } from "./parts/together";
@@ -184,6 +187,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   if (wanted("editor")) editor = new Editor(lab, connection);
   if (wanted("world")) world = worldView(lab, looking);
   inspecting = inspector(lab);
+  const coverage = coverageSwitch(lab);
+  const keeping = keepForm(lab);
+  const attaching = attachForm(lab);
   const panels = {
     goal: wanted("goal") ? goalView(lab) : null,
     editor: editor && editorPanel(lab, editor),
@@ -193,6 +199,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     variables: wanted("variables") ? variablesView(lab) : null,
     robot: wanted("world") ? robotView(lab) : null,
     issues: wanted("issues") ? issuesView(lab) : null,
+    runs: wanted("issues") ? runsView(lab, coverage, keeping.open, attaching.open) : null,
     breakpoints: wanted("issues") ? breakpointsView(lab) : null,
   };
   const layout = part === "lab" ? new Layout(panels as Panels) : null; // a whole lab has all of them
@@ -226,9 +233,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     alone.append(...below);
     root.append(alone);
   }
-  if (part === "lab") root.append(timelineView(lab, looking));
+  if (part === "lab") root.append(timelineView(lab, looking, keeping.open));
   if (!isControlled) root.append(recorded(lab));
-  const forms = [save.element, versions.element, opening.element];
+  const forms = [save, versions, opening, keeping, attaching].map(({ element }) => element);
   root.append(h("div", { class: "lrp-notes" }, ...forms, notes(lab, text), notice));
   root.append(inspecting.element, toast, announcer(lab));
 

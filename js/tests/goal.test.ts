@@ -65,7 +65,7 @@ describe("the goal", () => {
   it("shows the task, the criteria with their figures, and the runs of the check", async () => {
     const { element } = shown();
     await tick();
-    expect(element.hasAttribute("data-goalless")).toBe(false);
+    expect(element.hasAttribute("data-absent")).toBe(false);
     expect(element.querySelector(".lrp-title")?.textContent).toBe("Goal: stop at the line");
     expect(element.querySelector(".lrp-task code")?.textContent).toBe("line");
     const criteria = [...element.querySelectorAll(".lrp-criterion")];
@@ -95,7 +95,7 @@ describe("the goal", () => {
   });
 
   it("is not there while there is no challenge", () => {
-    expect(goalView({ store: new Store() } as unknown as Lab).hasAttribute("data-goalless")).toBe(true);
+    expect(goalView({ store: new Store() } as unknown as Lab).hasAttribute("data-absent")).toBe(true);
   });
 
   it("checks, shows a run, gives a hint and starts over", async () => {

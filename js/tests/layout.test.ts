@@ -15,6 +15,7 @@ const NAMES = [
   "variables",
   "robot",
   "issues",
+  "runs",
   "breakpoints",
 ] as const;
 /** Of the bundled worlds: width / height. */
@@ -121,7 +122,7 @@ function layoutOf(width: number, height = 600): Layout {
   const panels = Object.fromEntries(
     NAMES.map((name) => [name, h("section", { class: "lrp-panel" }, h("div", { class: "lrp-title" }, name))]),
   );
-  panels.goal?.toggleAttribute("data-goalless", true);
+  panels.goal?.toggleAttribute("data-absent", true);
   const layout = new Layout(panels as Panels);
   Object.defineProperty(layout.element, "clientWidth", { value: width });
   Object.defineProperty(layout.element, "clientHeight", { value: height });
@@ -172,7 +173,7 @@ describe("the layout", () => {
     layout = layoutOf(1400);
     expect(layout.panels.goal.hasAttribute("data-away")).toBe(true);
     expect(place(layout, "editor", "left")).toBe(0);
-    layout.panels.goal.toggleAttribute("data-goalless", false);
+    layout.panels.goal.toggleAttribute("data-absent", false);
     await vi.waitFor(() => expect(place(layout, "goal", "left")).toBe(0));
     expect(place(layout, "world", "left")).toBe(0);
     expect(place(layout, "editor", "left")).toBeGreaterThanOrEqual(44);

@@ -61,7 +61,7 @@ class Page {
     };
     const closed = new AbortController().signal;
     const lab = { store: this.store, root: this.root, closed, act, ask } as unknown as Lab;
-    this.element = timelineView(lab, new Looking(lab));
+    this.element = timelineView(lab, new Looking(lab), () => {});
     this.root.append(this.element);
     Object.defineProperty(this.area, "clientWidth", { value: WIDTH });
     Object.assign(this.store.state, { tick: 10 * END + 1, time: END });

@@ -75,7 +75,7 @@ def every_panel_is_enlarged_at_its_right(lab):
 
 def is_in_reading_order(lab):
     """The tab key goes through a part of the lab before it goes to the next, downwards and to the right."""
-    places = ".lrp-panels > :not(.lrp-splitter, [data-away], [data-goalless])"
+    places = ".lrp-panels > :not(.lrp-splitter, [data-away], [data-absent])"
     boxes = lab.find(places).evaluate_all(
         "places => places.map(place => place.getBoundingClientRect()).map(({ x, y }) => [x, y])"
     )

@@ -41,6 +41,7 @@ import { whenAttached } from "../ui/root";
 import { alive } from "./alive";
 import { completion } from "./complete";
 import { contextAt } from "./context";
+import { coverageGutter } from "./covered";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
 import { severalCursors } from "./cursors";
 import { Underlines } from "./diagnostics";
@@ -98,6 +99,8 @@ export class Editor implements Typist {
   readonly brackets = new KeptSwitch("brackets", true, () =>
     this.view.dispatch({ effects: this.bracketColours.reconfigure(this.brackets.on ? rainbow : []) }),
   );
+  private readonly coverage = new Compartment();
+  private isCovered = false;
   /** Called when the text has changed, other than by being opened. */
   onChange = (): void => {};
   /** The view that has changed the text last; empty for the kernel. */
@@ -118,6 +121,7 @@ export class Editor implements Typist {
     });
     store.watch(["breakpoints", "instance"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());
+    store.watch(["reached"], () => this.showReached());
     store.watch(["lit", "fired", "variables", "instances", "events", "program", "settings"], () =>
       this.update(),
     );
@@ -133,6 +137,7 @@ export class Editor implements Typist {
       alive(() => this.view),
       lineNumbers(),
       breakpointGutter(lab),
+      this.coverage.of(this.isCovered ? coverageGutter(lab.store.state) : []),
       lintGutter(),
       foldGutter(),
       collab({ startVersion, clientID: this.connection.view, sharedEffects }),
@@ -370,6 +375,17 @@ export class Editor implements Typist {
     clearTimeout(this.redrawing);
     this.redrawing = 0;
     this.view.dispatch({ effects: liveChanged.of(null) });
+  }
+
+  private showReached(): void {
+    const { state } = this.lab.store;
+    const isCovered = state.reached !== null;
+    if (isCovered === this.isCovered) {
+      if (isCovered) this.redraw();
+      return;
+    }
+    this.isCovered = isCovered;
+    this.view.dispatch({ effects: this.coverage.reconfigure(isCovered ? coverageGutter(state) : []) });
   }
 
   undo(): void {

@@ -7,6 +7,7 @@
  */
 
 import { machineOf, parentOf } from "../language/paths";
+import { reachWords } from "../parts/coverage";
 import type { Inside, Layout, TransitionShape } from "../protocol";
 import { meant } from "../session/instances";
 import { inGraph, type LabState } from "../session/state";
@@ -161,7 +162,8 @@ export function cardOf(state: LabState, shape: TransitionShape, machine: string)
     lines.push(...found.map((name) => `${shape.watched} is in ${name}`));
     if (!found.length && isLeft) lines.push(`${shape.watched} does not run`);
   }
-  return lines.join("\n");
+  const reached = reachWords(state, "transition", shape.id);
+  return [...lines, ...(reached ? [reached] : [])].join("\n");
 }
 
 /** The states in which the machine is that a transition waits for: one for each instance that it would leave. */

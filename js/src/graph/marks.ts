@@ -4,6 +4,7 @@
  */
 
 import { parentOf } from "../language/paths";
+import { reachWords } from "../parts/coverage";
 import type { CountAndTick, Layout } from "../protocol";
 import { inGraph, type LabState } from "../session/state";
 import { s, setAttribute, setText } from "../ui/dom";
@@ -32,7 +33,7 @@ export function marking({ root }: Pick<Layers, "root">, state: LabState): () => 
       setAttribute(node, "aria-current", isLit ? "true" : null);
       if (!fresh && !isLit && grown(entered[path], before.entered[path])) glow(node);
       setAttribute(node, "data-chosen", path === chosen);
-      setAttribute(node, "aria-description", users[path] ? `in ${users[path]}` : null);
+      describe(node, users[path] ? `in ${users[path]}` : "", reachWords(state, "state", path));
       tag(node, users[path] ?? "");
     }
     nameUsers(root, active, layouts);
@@ -43,12 +44,16 @@ export function marking({ root }: Pick<Layers, "root">, state: LabState): () => 
       setAttribute(part, "data-chosen", id === chosen);
       setAttribute(part, "data-fired", ages.get(id) === 0);
       if (!isArrow) continue;
-      setAttribute(part, "aria-description", ages.get(id) === 0 ? "fired last" : null);
+      describe(part, ages.get(id) === 0 ? "fired last" : "", reachWords(state, "transition", id));
       if (!fresh && grown(fired[id], before.fired[id])) glow(part);
       setAttribute(part, "style", `--lrp-age: ${ages.get(id) ?? 0}`);
     }
     before = { entered, fired, machine, tick };
   };
+}
+
+function describe(element: Element, ...words: string[]): void {
+  setAttribute(element, "aria-description", words.filter(Boolean).join(", ") || null);
 }
 
 /** Name the state in which the machine of an active state runs, above it, right of the mark of a start state. */

@@ -1,6 +1,7 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
 import { nameOf, parentOf } from "../language/paths";
+import { reachWords } from "../parts/coverage";
 import { looked, showLock } from "../parts/study";
 import { pathView } from "../parts/tree";
 import { askWhy } from "../parts/why";
@@ -8,7 +9,7 @@ import type { GraphMode, Inside, Layout, StateShape } from "../protocol";
 import { inGraph } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, iconButton, panel } from "../ui/button";
-import { consume, h, s, setAttribute } from "../ui/dom";
+import { consume, h, s, setAttribute, setText } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { item, menuButton, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
@@ -17,6 +18,7 @@ import { isTouch, middleOf, type Point, pointOf } from "../ui/point";
 import { AutoFit } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { CountBars, cardOf } from "./countdowns";
+import { drawReached } from "./covered";
 import { drawDots } from "./dots";
 import { Dragging } from "./drag";
 import { drawCones, drawMachines } from "./draw";
@@ -167,6 +169,7 @@ export function graphView(lab: Lab): HTMLElement {
     drawCones(cones, places, layouts, form === "row");
     drawMachines(machines, places, layouts);
     drawDots(root, store.state);
+    drawReached(root, store.state);
     keepOneTabStop(svg);
     mark();
     counts.draw(places, drawn);
@@ -288,7 +291,7 @@ export function graphView(lab: Lab): HTMLElement {
     before = mode();
   });
   store.watch(
-    ["active", "lit", "users", "entered", "fired", "machine", "layouts", "chosen", "settings"],
+    ["active", "lit", "users", "entered", "fired", "machine", "layouts", "chosen", "settings", "reached"],
     mark,
   );
   store.watch(
@@ -296,6 +299,7 @@ export function graphView(lab: Lab): HTMLElement {
     () => counts.update(),
   );
   store.watch(["breakpoints"], () => drawDots(root, store.state));
+  store.watch(["reached", "settings"], () => drawReached(root, store.state));
   followRun(
     lab,
     (running) => (form === "one" ? running.slice(-1) : running).every((machine) => machine in drawn),
@@ -445,8 +449,15 @@ export function graphView(lab: Lab): HTMLElement {
     else return false;
     return true;
   });
-  /** The card of an arrow, also of its label, is of the moment at which it is asked for. */
+  /** The card of an arrow, also of its label, is of the moment at which it is asked for; so is that of a state. */
   svg.addEventListener("pointerover", ({ target }) => {
+    const node = (target as Element).closest("[data-lrp-state]");
+    const path = node?.getAttribute("data-lrp-state") ?? "";
+    const found = Object.values(drawn)
+      .flatMap(({ states }) => states)
+      .find(({ id }) => id === path);
+    const card = node?.querySelector(":scope > title");
+    if (card && found) setText(card, [found.title, reachWords(store.state, "state", path)].join("\n").trim());
     const part = (target as Element).closest("[data-of]");
     const machine = part?.closest("[data-drawing]")?.getAttribute("data-drawing") ?? "";
     const [id, source] = [part?.getAttribute("data-of"), part?.getAttribute("data-key")?.split(" ").at(-2)];

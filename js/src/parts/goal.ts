@@ -4,7 +4,7 @@ import type { AttemptView, CheckView, CriterionView, GoalView, OutlineView } fro
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, reconcile, s, setAttribute, setChoices, setProse, setText } from "../ui/dom";
-import { GOALLESS } from "../ui/layout";
+import { ABSENT } from "../ui/layout";
 
 type Attempts = Readonly<Record<string, AttemptView>>;
 
@@ -48,10 +48,10 @@ export function goalView(lab: Lab): HTMLElement {
   const exam = h("p", { class: "lrp-exam" }, "Hand-in code: ", code, ". Save your work, then write it down.");
   const body = h("div", group, checked.element, task, exam, note, watched, criteria);
   const { element, heading } = panel("goal", "Goal", [world, again, check, checked.hint], body);
-  element.setAttribute(GOALLESS, "");
+  element.setAttribute(ABSENT, "");
   store.watch(["goal", "attempts"], () => {
     const { goal, attempts } = store.state;
-    setAttribute(element, GOALLESS, goal === null);
+    setAttribute(element, ABSENT, goal === null);
     if (!goal) return;
     setText(heading, `Goal: ${goal.name}`);
     setAttribute(heading, "title", goal.name); // which may be cut off

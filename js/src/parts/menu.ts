@@ -3,7 +3,7 @@
 import type { Editor } from "../editor/editor";
 import type { Source } from "../host/source";
 import type { Lab } from "../session/store";
-import { type Layout, type Panels, WITHHELD } from "../ui/layout";
+import { ABSENT, type Layout, type Panels, WITHHELD } from "../ui/layout";
 import { item, type MenuItem, switchItem } from "../ui/menu";
 import type { Arrangement } from "../ui/plans";
 import { askWhy } from "./why";
@@ -39,7 +39,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const { layout, fills } = choices;
   const panels = layout
     ? Object.entries(layout.panels)
-        .filter(([name]) => name !== "goal" || lab.store.state.goal)
+        .filter(([, panel]) => !panel.hasAttribute(ABSENT))
         .filter(([name, panel]) => !panel.hasAttribute(WITHHELD) || (name === "graph" && !settings.lock))
         .map(([name, panel]) => {
           const shown = !panel.hidden && !panel.hasAttribute(WITHHELD);

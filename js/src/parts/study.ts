@@ -8,7 +8,7 @@ const LOCKED = "This is set for a study, and cannot be changed here.";
 
 /** The panels that are not shown. */
 export function withheld({ graph, quiet }: SettingsView): string[] {
-  return [...(graph === "hidden" ? ["tree", "graph"] : []), ...(quiet ? ["variables", "robot"] : [])];
+  return [...(graph === "hidden" ? ["tree", "graph"] : []), ...(quiet ? ["variables", "robot", "runs"] : [])];
 }
 
 /** Disable what would change a condition that is locked, and say why. */

@@ -9,6 +9,7 @@ import {
   type ElementKind,
   EMPTY_VIEW_STATE,
   type FromKernel,
+  type OneWay,
   type SnapshotMessage,
   type ViewState,
   type WhatIf,
@@ -27,6 +28,15 @@ export interface Stepped {
 /** How it goes on; of a number that is stepped through also one step on, with the three values. */
 export interface Foretold extends WhatIf {
   tried?: { values: Stepped["values"]; beyond: Course };
+}
+
+/** Which of the kept runs have entered each state, and fired each transition. */
+export interface Reached {
+  /** How many runs there are. */
+  runs: number;
+  /** Their names, by kind and path of the element. */
+  names: ReadonlyMap<string, readonly string[]>;
+  conditions: Readonly<Record<string, OneWay>>;
 }
 
 /** What a snapshot brings, of which answers and worlds replace some; its other fields belong to the editor. */
@@ -57,6 +67,8 @@ export interface LabState extends ViewState, Told {
   unforetold: string;
   /** The number that was changed by the last step in the editor, until something else is done there. */
   stepped: Stepped | null;
+  /** What the kept runs have reached, where that is to be shown. */
+  reached: Reached | null;
 }
 
 /** The parts of the run that are shown unasked. */
@@ -118,6 +130,7 @@ export function initialState(): LabState {
     whatIf: null,
     unforetold: "",
     stepped: null,
+    reached: null,
   };
 }
 

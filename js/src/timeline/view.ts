@@ -1,5 +1,6 @@
 /** The timeline below the panels: what happened, a playhead that takes the whole lab back, and what if. */
 
+import { keepButton } from "../parts/keep";
 import { looked } from "../parts/study";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
@@ -11,7 +12,7 @@ import { item, openMenu } from "../ui/menu";
 import { readableNumber } from "../ui/numbers";
 import { onPinch } from "../ui/pinch";
 import { pointOf, reachOf } from "../ui/point";
-import { trailStyles } from "../world/legend";
+import { TRAIL_COLORS, trailStyles } from "../world/legend";
 import { clearAxis, type Drawing, draw, heightOf, laneAt, roomFor, widthOf } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking, type Moment } from "./looking";
@@ -21,10 +22,6 @@ import { Visits } from "./visits";
 import { whatIfWords } from "./what_if";
 import { TimeWindow } from "./window";
 
-/** The colours of the trail; the stylesheet lightens them in the dark. */
-const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
-  (number) => `color-mix(in srgb, white var(--lrp-timeline-light), var(--lrp-world-trail-${number}))`,
-);
 const INTERVAL = 250; // ms between two drawings of a run that goes on
 const NEWS_AFTER = 500; // ms between an answer and the next question
 const ALL_AFTER = 3000; // ms, where the page itself sees nothing new: what was done by hand, commands
@@ -37,7 +34,8 @@ const MARGIN = 60; // px above and below what is in sight, to be scrolled to
 const STEPS = 10; // ticks, with Shift
 const STILL = 1500; // ms
 
-export function timelineView(lab: Lab, looking: Looking): HTMLElement {
+/** `keepRun` opens the form that keeps the present run. */
+export function timelineView(lab: Lab, looking: Looking, keepRun: () => void): HTMLElement {
   const { store } = lab;
   let happened = new Happened();
   let plots: readonly string[] = [];
@@ -46,7 +44,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let isNews = true; // whether there is something to ask for
   let edited = Number.NEGATIVE_INFINITY;
   let drawing: Drawing | null = null;
-  let styleOf = trailStyles(store.state.program, COLORS);
+  let styleOf = trailStyles(store.state.program, TRAIL_COLORS);
   let stillUntil = 0; // nothing moves away under a pointer that is aiming
   const shown = new TimeWindow(store, () => now());
   let later: ReturnType<typeof setTimeout> | undefined;
@@ -71,7 +69,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   });
   const zoomOut = iconButton("minus", "Zoom out", "timeline-out", () => zoom(2));
   const zoomIn = iconButton("plus", "Zoom in", "timeline-in", () => zoom(0.5));
-  const tools = h("div", { class: "lrp-tools" }, more, zoomOut, zoomIn);
+  const tools = h("div", { class: "lrp-tools" }, keepButton(lab, keepRun), more, zoomOut, zoomIn);
   const opener = iconButton("right", "Open or close the timeline", "timeline", () => open(body.hidden, true));
   const title = h("div", { class: "lrp-title" }, "Timeline");
   const said = band(lab, looking);
@@ -404,7 +402,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     redraw();
   });
   store.watch(["program"], () => {
-    styleOf = trailStyles(store.state.program, COLORS);
+    styleOf = trailStyles(store.state.program, TRAIL_COLORS);
     redraw();
   });
   new ResizeObserver(() => {

@@ -15,15 +15,15 @@ const HIDDEN = "hidden-";
 const SHARE = "share-";
 const STACK = ["world", "goal", "editor", "machines", "lists"]; // see frame.css
 const STACKED = 300; // px: the world's height where the panels are stacked, at most
-/** Set by the goal's panel while the program is written for no challenge. */
-export const GOALLESS = "data-goalless";
+/** Set by a panel while there is nothing that it could show: no challenge, no runs. */
+export const ABSENT = "data-absent";
 /** Set while the conditions of a study withhold a panel. */
 export const WITHHELD = "data-withheld";
 /** Set by the world's panel while it shows a world: its width divided by its height. */
 export const ASPECT = "data-aspect";
 
 export type Panels = Record<
-  "goal" | "editor" | "tree" | "graph" | "world" | "variables" | "robot" | "issues" | "breakpoints",
+  "goal" | "editor" | "tree" | "graph" | "world" | "variables" | "robot" | "issues" | "runs" | "breakpoints",
   HTMLElement
 >;
 
@@ -55,7 +55,8 @@ export class Layout {
     for (const [name, panel] of Object.entries(panels)) panel.hidden = kept(HIDDEN + name) !== null;
     this.observer.observe(this.element);
     this.robots.observe(panels.world, { attributes: true, attributeFilter: [ASPECT] });
-    this.robots.observe(panels.goal, { attributes: true, attributeFilter: [GOALLESS] });
+    for (const panel of [panels.goal, panels.runs])
+      this.robots.observe(panel, { attributes: true, attributeFilter: [ABSENT] });
     this.update();
   }
 
@@ -200,5 +201,5 @@ function isVisible(place: HTMLElement): boolean {
 }
 
 function isPanelVisible(panel: HTMLElement): boolean {
-  return !panel.hidden && !panel.hasAttribute(GOALLESS) && !panel.hasAttribute(WITHHELD);
+  return !panel.hidden && !panel.hasAttribute(ABSENT) && !panel.hasAttribute(WITHHELD);
 }

@@ -12,6 +12,11 @@ export const REACH = 9; // px from the trail
 const DASH = [8, 5]; // px
 const STRIPES = [3, 3]; // px
 
+/** The colours of the trail for what is no canvas; the stylesheet lightens them in the dark. */
+export const TRAIL_COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
+  (number) => `color-mix(in srgb, white var(--lrp-trail-light), var(--lrp-world-trail-${number}))`,
+);
+
 const numbers = new WeakMap<ProgramView, Map<string, number>>();
 
 /**

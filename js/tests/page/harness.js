@@ -29,6 +29,66 @@ const bytes = (text) => new DataView(Uint8Array.from(atob(text), (char) => char.
 const frame = (fields = {}) => deliver({ type: "frame", frame: ++number, ...fields });
 const range = (line, column, end_column) => ({ line, column, end_line: line, end_column });
 
+/** Some runs of the follower: as recorded, with a difference, one that is run again, one with a real robot. */
+function keptRuns() {
+  const names = ["oval", "from the wall", "bump at the end", "second lap", "turtlebot in the corridor"];
+  const states = [
+    "moving",
+    "looking",
+    "moving",
+    "looking",
+    "bumpback",
+    "bumpturn",
+    "looking",
+    "moving",
+    "end",
+  ];
+  const course = (scale, count) =>
+    states.slice(0, count).map((name, index) => [scale * index * (index + 2), `follower/${name}`]);
+  const run = (fields) => ({
+    expected: "as recorded",
+    seconds: 63.2,
+    state: "passed",
+    reason: "",
+    differs: null,
+    open_loop: "",
+    lane: "follower",
+    recorded: course(0.7, 9),
+    now: course(0.7, 9),
+    issues: 0,
+    ...fields,
+  });
+  const other = [12.3, "`looking` is not entered; in the original run it is."];
+  const kept_runs = {
+    [names[0]]: run(),
+    [names[1]]: run({
+      state: "failed",
+      reason: `differs at 12.3 s: ${other[1]}`,
+      differs: other,
+      now: [...course(0.7, 3), [12.3, "follower/bumpback"], [13.3, "follower/bumpturn"], [16.4, ""]],
+      issues: 1,
+    }),
+    [names[2]]: run({ expected: "reaches follower/end within 60 s, never touches", seconds: 41 }),
+    [names[3]]: run({ state: "waiting", seconds: 0, recorded: [], now: [] }),
+    [names[4]]: run({
+      state: "failed",
+      expected: "never enters follower/bumpback",
+      reason: "`follower/bumpback` is entered at 16.8 s.",
+      differs: [5.6, "`looking` is entered; in the original run it is not."],
+      open_loop:
+        "A real robot was recorded: from the first difference on, its readings are those of the recorded drive, not what the robot would have read with this program.",
+      now: course(0.6, 6),
+    }),
+  };
+  const coverage = {
+    states: { "follower/moving": [0, 1, 2, 3, 4], "follower/looking": [0, 1, 2], "follower/bumpback": [4] },
+    transitions: { "follower:tlooking": [0, 1, 2], "follower:tmoving": [0, 1], "follower:tbump": [4] },
+    conditions: { "follower:tmoving": "never false", "follower:tend": "never true" },
+  };
+  const runs = { folder: "follower.runs", attached: ["../accidents"], names, waiting: 1, coverage };
+  return { runs: { ...runs, expected: "reaches follower/end", keeps: "", error: "" }, kept_runs };
+}
+
 const cases = {
   issues: {
     issues: {
@@ -69,6 +129,7 @@ const cases = {
     restarts: { 1: { tick: 118, reason: "`moving` is active and its `running` changed." } },
     printed: { 0: "light 212", 1: "light 180", 2: "on the line" },
   },
+  runs: keptRuns(),
   busy: {},
   hold: { settings: state.settings },
 };
@@ -150,7 +211,9 @@ function command(message) {
     const value = Number(message.expression);
     if (Number.isNaN(value)) error = `NameError: name '${message.expression}' is not defined`;
     else frame({ variables: { [message.path]: [message.expression, value] } });
-  } else if (message.do === "pin") {
+  } else if (message.do === "expect")
+    error = `\`${message.expected}\` is not something that can be expected of a run.`;
+  else if (message.do === "pin") {
     const layouts = structuredClone(recording.snapshot.frame.layouts);
     const shape = layouts[message.path].states.find(({ name }) => name === message.name);
     if (shape) [shape.x, shape.y] = [message.x, message.y];

@@ -23,7 +23,7 @@ ARGUMENTS = [
     "--no-first-run",
     "--disable-background-networking",
 ]
-CASES = ("plain", "issues", "lost", "empty", "hold")
+CASES = ("plain", "issues", "runs", "lost", "empty", "hold")
 
 
 class _Quiet(http.server.SimpleHTTPRequestHandler):
@@ -61,6 +61,9 @@ def main(out: Path, cases: tuple[str, ...]) -> None:
 
 def prepare(page: Page, case: str) -> None:
     """Prepare the page for the screenshot."""
+    if case == "runs":
+        page.locator('[data-lrp-tab="runs"]').click()
+        page.locator('[data-lrp-action="coverage"]').click()
     if case == "hold":
         page.locator(".cm-content").click()
         page.keyboard.type(" ")

@@ -1,0 +1,103 @@
+/** What the kept runs have reached of the program: in words, and whether it is shown. */
+
+import type { CoverageView, ElementKind, OneWay, ProgramView } from "../protocol";
+import type { LabState, Reached } from "../session/state";
+import type { Lab } from "../session/store";
+import { KeptSwitch } from "../ui/kept";
+import { keyOf } from "./breakpoints";
+
+const MOST_NAMES = 8; // in a sentence
+const VERBS: Partial<Record<ElementKind, string>> = { state: "entered", transition: "fired" };
+
+/** The switch of the coverage; while it is on, the state has what was reached last, also while runs are run again. */
+export function coverageSwitch({ store }: Pick<Lab, "store">): KeptSwitch {
+  let last: Reached | null = null;
+  let known: CoverageView | null = null;
+  const show = () => {
+    const { runs, program, settings } = store.state;
+    const isShown = shown.on && runs !== null && !settings.quiet;
+    if (isShown && runs.coverage && runs.coverage !== known) {
+      known = runs.coverage;
+      last = reachedBy(known, runs.names, program);
+    }
+    store.set("reached", isShown ? last : null);
+  };
+  const shown = new KeptSwitch("coverage", false, show);
+  store.watch(["runs", "settings", "snapshot"], (changed) => {
+    if (changed.has("snapshot")) last = known = null;
+    show();
+  });
+  return shown;
+}
+
+/** What was reached, by the names of the runs; what no run reaches has none of them. */
+export function reachedBy(
+  { states, transitions, conditions }: CoverageView,
+  names: readonly string[],
+  { machines }: Pick<ProgramView, "machines">,
+): Reached {
+  const reached = new Map<string, readonly string[]>();
+  for (const machine of machines) {
+    for (const { path } of machine.states) reached.set(keyOf("state", path), []);
+    for (const { id } of machine.transitions) reached.set(keyOf("transition", id), []);
+  }
+  const add = (kind: ElementKind, all: Record<string, number[]>) => {
+    for (const [path, numbers] of Object.entries(all)) {
+      const found = numbers.flatMap((number) => names[number] ?? []);
+      reached.set(keyOf(kind, path), found);
+    }
+  };
+  add("state", states);
+  add("transition", transitions);
+  return { runs: names.length, names: reached, conditions };
+}
+
+/** How many runs reach an element; null where that is not shown, or not known. */
+export function timesReached(reached: Reached | null, kind: ElementKind, path: string): number | null {
+  return reached?.names.get(keyOf(kind, path))?.length ?? null;
+}
+
+/** How the condition of an element comes out in all runs, if it is tested and always comes out alike. */
+export function onlyWay(reached: Reached | null, kind: ElementKind, path: string): OneWay | null {
+  const way = kind === "transition" ? reached?.conditions[path] : null;
+  return way && way !== "never tested" ? way : null;
+}
+
+/** Which runs reach an element, and how its condition comes out; empty where that is not shown, or not known. */
+export function reachWords({ reached }: Pick<LabState, "reached">, kind: ElementKind, path: string): string {
+  const names = reached?.names.get(keyOf(kind, path));
+  if (!reached || !names) return "";
+  const [verb, way] = [VERBS[kind], kind === "transition" ? reached.conditions[path] : null];
+  const words = names.length
+    ? `${verb} in ${names.length} of ${counted(reached.runs)}: ${listed(names)}`
+    : `not ${verb} in any run`;
+  return way ? `${words}; its condition was ${way}` : words;
+}
+
+export const counted = (runs: number) => (runs === 1 ? "1 run" : `${runs} runs`);
+
+function listed(names: readonly string[]): string {
+  const more = names.length - MOST_NAMES;
+  return names.slice(0, MOST_NAMES).join(", ") + (more > 0 ? ` and ${more} more` : "");
+}
+
+/** What all runs reach together, in a few sentences. */
+export function coverageWords({ names, conditions }: Reached): string {
+  const counts: string[] = [];
+  const missing: string[] = [];
+  const name = (words: string, paths: readonly string[]) => {
+    if (paths.length) missing.push(`${words}: ${listed(paths.map((path) => `\`${path}\``))}.`);
+  };
+  for (const [kind, verb] of Object.entries(VERBS)) {
+    const all = [...names].filter(([key]) => key.startsWith(`${kind} `));
+    const left = all.filter(([, found]) => !found.length).map(([key]) => key.slice(kind.length + 1));
+    if (all.length) counts.push(`${all.length - left.length} of ${all.length} ${kind}s are ${verb}`);
+    name(`Never ${verb}`, left);
+  }
+  for (const way of ["never true", "never false"] as const)
+    name(
+      `Conditions that were ${way}`,
+      Object.keys(conditions).filter((path) => conditions[path] === way),
+    );
+  return [`${counts.join(", ")}.`, ...missing].join(" ");
+}
