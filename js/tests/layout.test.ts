@@ -122,7 +122,7 @@ function layoutOf(width: number, height = 600): Layout {
   const panels = Object.fromEntries(
     NAMES.map((name) => [name, h("section", { class: "lrp-panel" }, h("div", { class: "lrp-title" }, name))]),
   );
-  panels.goal?.toggleAttribute("data-absent", true);
+  for (const name of ["goal", "runs"]) panels[name]?.toggleAttribute("data-absent", true);
   const layout = new Layout(panels as Panels);
   Object.defineProperty(layout.element, "clientWidth", { value: width });
   Object.defineProperty(layout.element, "clientHeight", { value: height });

@@ -91,7 +91,7 @@ export function coverageWords({ names, conditions }: Reached): string {
   for (const [kind, verb] of Object.entries(VERBS)) {
     const all = [...names].filter(([key]) => key.startsWith(`${kind} `));
     const left = all.filter(([, found]) => !found.length).map(([key]) => key.slice(kind.length + 1));
-    if (all.length) counts.push(`${all.length - left.length} of ${all.length} ${kind}s are ${verb}`);
+    if (all.length) counts.push(`${all.length - left.length} of ${all.length} ${kind}s ${verb}`);
     name(`Never ${verb}`, left);
   }
   for (const way of ["never true", "never false"] as const)

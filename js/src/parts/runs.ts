@@ -4,12 +4,11 @@ import { nameOf } from "../language/paths";
 import type { KeptRunView, RunVerdict } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, linkButton, panel, setSwitch, toggle } from "../ui/button";
-import { consume, h, reconcile, s, setAttribute, setHidden, setProse, setText } from "../ui/dom";
+import { h, reconcile, s, setAttribute, setHidden, setProse, setText } from "../ui/dom";
 import { editing } from "../ui/editing";
 import type { KeptSwitch } from "../ui/kept";
 import { ABSENT } from "../ui/layout";
-import { item, type MenuItem, menuButton, openMenu } from "../ui/menu";
-import { type Point, pointOf } from "../ui/point";
+import { item, menuButton } from "../ui/menu";
 import { TRAIL_COLORS, trailStyles } from "../world/legend";
 import type { Style } from "../world/palette";
 import { counted, coverageWords } from "./coverage";
@@ -57,8 +56,13 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   const error = h("p", { class: "lrp-error", role: "status" });
   const list = h("ul", { class: "lrp-runs", "aria-label": "Kept runs" });
   const reached = h("p", { class: "lrp-runs-reached" });
-  const foot = h("p", { class: "lrp-faint lrp-runs-foot", role: "status" });
-  const body = h("div", { class: "lrp-runs-body" }, error, list, reached, foot);
+  const result = h("p", { role: "status" });
+  const where = h("p", { class: "lrp-faint" });
+  const body = h("div", { class: "lrp-runs-body" }, error, list, result, reached, where);
+  let focused = ""; // the run that gets the keyboard's focus, from one that goes
+  const leave = (name: string) => {
+    focused = name;
+  };
   const { element, heading } = panel("runs", "Runs", [keepButton(lab, keep), again, more, covers], body);
   element.setAttribute(ABSENT, "");
 
@@ -71,7 +75,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
     if (changed.has("snapshot")) shown.clear();
     const names = (runs?.names ?? []).filter((name) => kept[name]);
     for (const name of shown.keys()) if (!names.includes(name)) shown.delete(name);
-    for (const name of names) shown.set(name, next(kept[name]!, shown.get(name)));
+    for (const name of names) shown.set(name, lastResult(kept[name]!, shown.get(name)));
     const failed = names.filter((name) => isFailed(shown.get(name)!));
     const isSettled = !names.some((name) => isOutdated(shown.get(name)!));
     if (isSettled) first = new Set(failed); // nothing changes its place before all is known
@@ -80,14 +84,19 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
       list,
       sorted,
       (name) => name,
-      (name) => new Row(lab, name).element,
+      (name) => new Row(lab, name, leave).element,
       (row, name) => rows.get(row)!.update(shown.get(name)!, styleOf),
     );
     setText(heading, failed.length ? `Runs (${failed.length})` : "Runs");
     setAttribute(list, "data-empty", names.length ? null : EMPTY);
     setProse(error, runs?.error ?? "");
-    if (runs && isSettled)
-      setProse(foot, footOf(names.length, failed.length, [runs.folder, ...runs.attached]));
+    if (names.every((name) => !shown.get(name)!.waits))
+      setText(result, resultOf(names.length, failed.length));
+    setProse(where, runs ? placesOf([runs.folder, ...runs.attached]) : "");
+    const row = [...list.children].find((each) => each.getAttribute("data-key") === focused);
+    if (!row) return;
+    rows.get(row)!.focus();
+    focused = "";
   });
   store.watch(["reached"], () => {
     const found = store.state.reached;
@@ -97,7 +106,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   return element;
 }
 
-function next(run: KeptRunView, before: Shown | undefined): Shown {
+function lastResult(run: KeptRunView, before: Shown | undefined): Shown {
   const waits = run.state === "waiting";
   if (waits && before) return { ...before, expected: run.expected, waits };
   return { ...run, waits };
@@ -108,13 +117,14 @@ const isOutdated = ({ waits, state }: Pick<Shown, "waits" | "state">) => waits &
 
 const isFailed = ({ state }: Pick<Shown, "state">) => state === "failed" || state === "problem";
 
-function footOf(all: number, failed: number, folders: readonly string[]): string {
-  const result = failed
-    ? `${failed} of ${counted(all)} not as expected.`
-    : `${counted(all)}, all as expected.`;
-  const [own, ...others] = folders.filter(Boolean).map((folder) => `\`${folder}\``);
-  const where = own ? `Kept in ${own}${others.length ? `; also shown: ${others.join(", ")}` : ""}.` : "";
-  return [all ? result : "", where].filter(Boolean).join(" ");
+function resultOf(all: number, failed: number): string {
+  const some = failed < all ? `${failed} of them ` : "";
+  return all ? `${counted(all)}, ${failed ? `${some}not ` : ""}as expected.` : "";
+}
+
+function placesOf(folders: readonly string[]): string {
+  const [own, ...others] = folders.map((folder) => `\`${folder}\``);
+  return `Kept in ${own}${others.length ? `; also shown: ${others.join(", ")}` : ""}.`;
 }
 
 /** Why a run failed, and where it differs from the recording. */
@@ -162,10 +172,12 @@ class Row {
   constructor(
     private readonly lab: Lab,
     private readonly name: string,
+    /** Names the run that gets the focus when this one goes. */
+    private readonly leave: (other: string) => void,
   ) {
     this.go = linkButton("", {
       class: "lrp-link lrp-run-name",
-      title: "Run it again in the lab, and look at its first difference, or where it fails",
+      title: `${name}: run it again in the lab, and look at its first difference, or where it fails`,
       "data-lrp-action": "show-run",
     });
     this.go.append(this.verdict, h("span", {}, name));
@@ -180,8 +192,15 @@ class Row {
       "data-lrp-action": "accept-run",
       onclick: () => void this.accepted(),
     });
-    const menu = menuButton(lab.root, { title: `More for ${name}`, action: "run-menu" }, `Run ${name}`, () =>
-      this.items(),
+    const menu = menuButton(
+      lab.root,
+      { title: `More for ${name}`, action: "run-menu" },
+      `Run ${name}`,
+      () => [
+        item("Change what is expected…", "expect", () => this.expect()),
+        item("Rename…", "rename-run", () => this.rename()),
+        item("Remove…", "forget-run", () => this.remove()),
+      ],
     );
     this.strip.addEventListener("pointermove", (event) => this.point(event));
     this.words = h("p", { class: "lrp-run-words" }, this.expected, this.reason, this.accept);
@@ -193,11 +212,6 @@ class Row {
         onclick: ({ target }: Event) => {
           const pressed = (target as Element).closest("button, input, .lrp-run-asked");
           if (!pressed || pressed === this.go) void this.show();
-        },
-        oncontextmenu: (event: MouseEvent) => {
-          if ((event.target as Element).closest("input")) return;
-          consume(event);
-          this.menu(pointOf(event));
         },
       },
       ...[this.mark, this.go, this.strip, this.length, menu, this.words, this.openLoop, this.asked],
@@ -227,6 +241,10 @@ class Row {
     drawStrip(this.strip, shown, styleOf);
   }
 
+  focus(): void {
+    this.go.focus({ preventScroll: true });
+  }
+
   private point({ clientX, clientY }: PointerEvent): void {
     const { left, top, width, height } = this.strip.getBoundingClientRect();
     const words = this.shown && stripWords(this.shown, (clientX - left) / width, (clientY - top) / height);
@@ -247,20 +265,6 @@ class Row {
     this.accept.disabled = false;
   }
 
-  private items(): MenuItem[] {
-    return [
-      item("Show", "show-run", () => void this.show()),
-      item("Change what is expected…", "expect", () => this.expect()),
-      item("Take as expected", "accept-run", () => void this.accepted(), { disabled: !this.shown?.differs }),
-      item("Rename…", "rename-run", () => this.rename()),
-      item("Remove…", "forget-run", () => this.remove()),
-    ];
-  }
-
-  private menu(at: Point): void {
-    openMenu(this.lab.root, at, this.items(), `Run ${this.name}`);
-  }
-
   private expect(): void {
     const { name, lab } = this;
     const { input, error } = editing(
@@ -279,7 +283,11 @@ class Row {
     const { input, error } = editing(
       name,
       `Another name for ${name}`,
-      (other) => lab.act({ do: "rename_run", name, new_name: other.trim() }, true),
+      async (other) => {
+        const refusal = await lab.act({ do: "rename_run", name, new_name: other.trim() }, true);
+        if (!refusal) this.leave(other.trim());
+        return refusal;
+      },
       () => this.answered(this.go),
     );
     this.ask(input, input, error);
@@ -293,7 +301,10 @@ class Row {
       class: "lrp-button",
       "data-lrp-action": "forget-run-now",
       onclick: async () => {
-        if (!(await lab.act({ do: "forget_run", name }))) cancel();
+        const { nextElementSibling: after, previousElementSibling: before } = this.element;
+        if (await lab.act({ do: "forget_run", name })) return;
+        this.leave((after ?? before)?.getAttribute("data-key") ?? "");
+        cancel();
       },
     });
     const leave = linkButton("Cancel", { class: "lrp-button", onclick: cancel });
@@ -302,9 +313,10 @@ class Row {
 
   /** Ask something in place; Escape leaves it. */
   private ask(first: HTMLElement, ...content: HTMLElement[]): void {
+    this.expected.hidden = false;
     this.asked.replaceChildren(...content);
     this.asked.onkeydown = (event) => {
-      if (event.key === "Escape" && !event.defaultPrevented) this.answered(this.go);
+      if (event.key === "Escape") this.answered(this.go);
     };
     setHidden(this.asked, false);
     first.focus();

@@ -7,6 +7,7 @@ import type { Style } from "../world/palette";
 
 const LANE = 7; // px
 const GAP = 2;
+const BEYOND = 2; // px of the mark of a difference, above and below
 export const STRIP = 2 * LANE + GAP;
 
 export type Courses = Pick<KeptRunView, "seconds" | "recorded" | "now" | "differs">;
@@ -44,7 +45,7 @@ export function drawStrip(svg: SVGSVGElement, run: Courses, styleOf: (state: str
       return s("path", { d, stroke: color, "stroke-width": LANE, ...dashes, ...still });
     });
   });
-  const mark = run.differs && `M${run.differs[0]} 0V${STRIP}`;
+  const mark = run.differs && `M${run.differs[0]} ${-BEYOND}V${STRIP + BEYOND}`;
   svg.replaceChildren(
     ...parts,
     ...(mark ? [s("path", { class: "lrp-strip-differs", d: mark, ...still })] : []),
