@@ -256,6 +256,7 @@ describe("the coverage", () => {
       await show({}, { coverage });
       expect([state("moving").dataset.reached, state("end").dataset.reached]).toEqual(["2", "0"]);
       expect(state("end").querySelector(".lrp-hatching")).not.toBe(null);
+      expect(state("end").getAttribute("aria-label")).toBe("end 0: state end");
       expect(state("end").getAttribute("aria-description")).toContain("not entered in any run");
       expect(page.find('.lrp-label[data-of="follower:tend"] .lrp-reached').textContent).toBe("0 ◐");
       expect(gutter()).toEqual(["2", "0"]);
@@ -263,6 +264,7 @@ describe("the coverage", () => {
     page.find('[data-lrp-action="coverage"]').click();
     await page.drawn();
     expect([state("moving").dataset.reached, hatched(), gutter()]).toEqual([undefined, 0, []]);
+    expect(state("end").getAttribute("aria-label")).toBe("end: state end");
     expect(page.host.querySelectorAll(".lrp-reached")).toHaveLength(0);
   });
 });

@@ -7,6 +7,7 @@ import { s, setAttribute, setText } from "../ui/dom";
 const [INSET, ABOVE] = [8, 4]; // px from the right side of a state, and from its top, to its figure
 const APART = 7; // px between two lines of a hatching
 const EDGE = 3; // px around it
+const NAMED = /(?: \d+)?(?=: state )/; // in the name of a state: here ends what is seen of it
 
 /** Draw what the coverage says; after a drawing, and when it changes. */
 export function drawReached(root: SVGElement, { reached: wanted, settings }: LabState): void {
@@ -17,6 +18,8 @@ export function drawReached(root: SVGElement, { reached: wanted, settings }: Lab
     const times = timesReached(reached, "state", node.getAttribute("data-lrp-state") ?? "");
     const box = node.querySelector(":scope > .lrp-box");
     setAttribute(node, "data-reached", times);
+    const name = node.getAttribute("aria-label")?.replace(NAMED, times === null ? "" : ` ${times}`);
+    setAttribute(node, "aria-label", name);
     const hatching = node.querySelector(":scope > .lrp-hatching");
     if (times !== 0) hatching?.remove();
     else if (box && !hatching) box.after(s("path", { class: "lrp-hatching", d: hatchingOf(box) }));
@@ -25,8 +28,8 @@ export function drawReached(root: SVGElement, { reached: wanted, settings }: Lab
     else {
       const [x, y, width] = ["x", "y", "width"].map((name) => Number(box.getAttribute(name)));
       const place = { class: "lrp-reached", x: x! + width! - INSET, y: y! - ABOVE };
-      if (figure) setText(figure, String(times));
-      else node.append(s("text", place, String(times)));
+      if (figure) setText(figure, ` ${times}`);
+      else node.append(s("text", place, ` ${times}`));
     }
   }
   for (const part of root.querySelectorAll(".lrp-transition, .lrp-label")) {
