@@ -84,7 +84,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
       list,
       sorted,
       (name) => name,
-      (name) => new Row(lab, name, leave).element,
+      (name) => new RunRow(lab, name, leave).element,
       (row, name) => rows.get(row)!.update(shown.get(name)!, styleOf),
     );
     setText(heading, failed.length ? `Runs (${failed.length})` : "Runs");
@@ -144,9 +144,9 @@ function sentence(words: string): string {
   return /[.!?…]$/.test(begun) ? begun : `${begun}.`;
 }
 
-const rows = new WeakMap<Element, Row>();
+const rows = new WeakMap<Element, RunRow>();
 
-class Row {
+class RunRow {
   readonly element: HTMLElement;
   private shown: Shown | null = null;
   private styleOf: unknown = null;
