@@ -35,8 +35,8 @@ const FAILED: Partial<KeptRunView> = {
 };
 const COVERAGE: CoverageView = {
   states: { "follower/moving": [0, 1] },
-  transitions: { "follower:tmoving": [1] },
-  conditions: { "follower:tend": "never true", "follower:tbump": "never tested" },
+  transitions: { "follower/tmoving": [1] },
+  conditions: { "follower/tend": "never true", "follower/tbump": "never tested" },
 };
 const RUNS: RunsView = {
   folder: "follower.runs",

@@ -1,5 +1,6 @@
 /** What the kept runs have reached of the program: in words, and whether it is shown. */
 
+import { transitionAt } from "../language/paths";
 import type { CoverageView, ElementKind, OneWay, ProgramView } from "../protocol";
 import type { LabState, Reached } from "../session/state";
 import type { Lab } from "../session/store";
@@ -41,15 +42,12 @@ export function reachedBy(
     for (const { path } of machine.states) reached.set(keyOf("state", path), []);
     for (const { id } of machine.transitions) reached.set(keyOf("transition", id), []);
   }
-  const add = (kind: ElementKind, all: Record<string, number[]>) => {
-    for (const [path, numbers] of Object.entries(all)) {
-      const found = numbers.flatMap((number) => names[number] ?? []);
-      reached.set(keyOf(kind, path), found);
-    }
-  };
-  add("state", states);
-  add("transition", transitions);
-  return { runs: names.length, names: reached, conditions };
+  const named = (numbers: readonly number[]) => numbers.flatMap((number) => names[number] ?? []);
+  for (const [path, numbers] of Object.entries(states)) reached.set(keyOf("state", path), named(numbers));
+  for (const [path, numbers] of Object.entries(transitions))
+    reached.set(keyOf("transition", transitionAt(path)), named(numbers));
+  const ways = Object.entries(conditions).map(([path, way]) => [transitionAt(path), way]);
+  return { runs: names.length, names: reached, conditions: Object.fromEntries(ways) };
 }
 
 /** How many runs reach an element; null where that is not shown, or not known. */

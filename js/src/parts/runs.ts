@@ -73,7 +73,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
     const { runs, kept_runs: kept } = store.state;
     setAttribute(element, ABSENT, !runs);
     if (changed.has("snapshot")) shown.clear();
-    const names = (runs?.names ?? []).filter((name) => kept[name]);
+    const names = [...new Set(runs?.names)].filter((name) => kept[name]);
     for (const name of shown.keys()) if (!names.includes(name)) shown.delete(name);
     for (const name of names) shown.set(name, lastResult(kept[name]!, shown.get(name)));
     const failed = names.filter((name) => isFailed(shown.get(name)!));

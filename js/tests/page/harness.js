@@ -82,8 +82,8 @@ function keptRuns() {
   };
   const coverage = {
     states: { "follower/moving": [0, 1, 2, 3, 4], "follower/looking": [0, 1, 2], "follower/bumpback": [4] },
-    transitions: { "follower:tlooking": [0, 1, 2], "follower:tmoving": [0, 1], "follower:tbump": [4] },
-    conditions: { "follower:tmoving": "never false", "follower:tend": "never true" },
+    transitions: { "follower/tlooking": [0, 1, 2], "follower/tmoving": [0, 1], "follower/tbump": [4] },
+    conditions: { "follower/tmoving": "never false", "follower/tend": "never true" },
   };
   const runs = { folder: "follower.runs", attached: ["../accidents"], names, waiting: 1, coverage };
   return { runs: { ...runs, expected: "reaches follower/end", keeps: "", error: "" }, kept_runs };
