@@ -49,7 +49,7 @@ def edit_what_it_does(lab):
 def look_at_the_difference(lab):
     lab.do("show-run")
     lab.sees("css=:scope[data-looking]")
-    lab.reads(".lrp-band-words", "Looking at 0.")
+    lab.is_active("m/turn")  # which it enters earlier now
     lab.do("back-to-now")
     lab.misses("css=:scope[data-looking]")
 
