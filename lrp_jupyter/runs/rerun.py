@@ -136,9 +136,7 @@ def drive_again(
         for each in without_edits(recording.entries)
     )
     with session.driving(limit):
-        play(
-            loop, script, float("inf"), lambda: after_tick() or loop.inbox.queued
-        )  # or the limit is exceeded
+        play(loop, script, float("inf"), lambda: after_tick() or session._driver.has_exceeded)
         loop.timing.clock.rebase(loop.timing.now)
         loop.publish()
     if session.fault:

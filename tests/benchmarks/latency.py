@@ -382,7 +382,7 @@ def main() -> None:
         jupyter(Path(home)) as server,
         sync_playwright() as playwright,
     ):
-        record(Path(home, "bench", "m.runs"), PROGRAM, options.runs)
+        record(server.root / "bench" / "m.runs", PROGRAM, options.runs)
         browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
         context = browser.new_context(viewport={"width": 1600, "height": 1000})
         page = context.new_page()

@@ -1,4 +1,4 @@
-"""Runs as examples: kept in the lab, run again after an edit, looked at, and what they reach of the program."""
+"""Runs as examples: kept in the lab, run again after an edit, looked at; what they reach of the program."""
 
 WEAVER = """\
 (machine m

@@ -5,6 +5,7 @@ from threading import Event
 import pytest
 from runs.conftest import LAPS
 
+from lrp_jupyter.live.running.commands import Call
 from lrp_jupyter.runs.decide import decide
 
 SLOWER = LAPS.replace("[0.3]", "[0.29]")
@@ -116,3 +117,13 @@ def test_a_program_that_no_run_can_be_kept_of_says_why(beside):
     view = beside.runs.view(beside.session)
     assert (view["keeps"], view["folder"]) == ("No tick has run yet. Run the program first.", "laps.runs")
     assert beside.page.do("keep_run", name="x") == view["keeps"]
+
+
+def test_a_run_that_is_shown_is_shown_whole_whatever_is_asked_for_meanwhile(beside):
+    beside.keep("wall")
+    beside.decided()
+    end = beside.session.on_tick(lambda: beside.session.submit(Call(beside.session.bridge.refresh)))
+    before = beside.session.frame.time
+    assert beside.page.do("show_run", name="wall") is None
+    end()
+    assert beside.session.frame.time == pytest.approx(before + 25)

@@ -323,6 +323,11 @@ class Driver:
         if ended:
             raise SessionTimeoutError(ended)
 
+    @property
+    def has_exceeded(self) -> bool:
+        """Whether a block has taken longer than :meth:`limited` allows, so that the run is to end."""
+        return self._monitor is not None and bool(self._monitor.ended_run)
+
     # -- commands --------------------------------------------------------------------------------
 
     def ask(self, command: Command) -> Future[Any]:
