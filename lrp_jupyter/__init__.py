@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from lrp_jupyter.live.running.checking import check as check
     from lrp_jupyter.live.running.frame import Frame as Frame
     from lrp_jupyter.live.session import Session as Session
+    from lrp_jupyter.repairs.repair import repair as repair
     from lrp_jupyter.runs.decide import decide as decide
     from lrp_jupyter.sim import World as World
     from lrp_jupyter.widgets.lab import Controls as Controls
@@ -73,6 +74,7 @@ _HOMES = {
     "language.printer": ("to_source",),
     "language.program": ("Machine", "Program"),
     "live.running.checking": ("check",),
+    "repairs.repair": ("repair",),
     "live.clock": ("VirtualClock",),
     "grading.grade": ("grade",),
     "grading.sweep": ("sweep",),

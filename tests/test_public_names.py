@@ -8,7 +8,7 @@ import lrp_jupyter
 PUBLIC = """
 Bridge BridgeError Controls Editor Frame Interpreter Issue Issues LRPError LRPSyntaxError Lab Machine
 NoDataYet Program Session SessionClosedError SimBridge SimView StateGraph UnknownElementError Variables
-VirtualClock World check decide diff grade parse state_graph sweep to_source
+VirtualClock World check decide diff grade parse repair state_graph sweep to_source
 """
 
 

@@ -29,6 +29,7 @@ from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.summary import summaries
 from lrp_jupyter.grading.sweep import Sweep, Value, sweep_axes
 from lrp_jupyter.grading.workers import HowRun
+from lrp_jupyter.repairs.class_repairs import with_repairs
 
 _MOST = 1000  # values of a variable
 
@@ -97,10 +98,12 @@ def grade_files(
     where: MarksFiles,
     how: HowRun,
     given: Path | None = None,
+    repair: bool = False,
 ) -> int:
     """Grade one program and explain its grade, or those of a class and list them; return the exit code.
 
     `name`: the challenge; None for those that the programs name.
+    `repair`: whether to say of each program that does not pass which change would make it pass.
     """
     task = None if name is None else load(name)
     where.check()
@@ -110,10 +113,12 @@ def grade_files(
         raise FileError(submissions[0].problem)
     if alone:
         marks = grade_class(submissions, task, seeds, how)
+        marks = _repaired(marks, seeds, how) if repair else marks
         _explain(marks)
     else:
         with shown_progress("grading", lines=True) as progress:
             marks = grade_class(submissions, task, seeds, how, progress)
+        marks = _repaired(marks, seeds, how) if repair else marks
         _list(marks)
     fewer = [each for each in marks.tasks if seeds is not None and seeds < each.count]
     if fewer:
@@ -122,6 +127,11 @@ def grade_files(
         if not alone or not line.startswith("written"):
             plain_console().print(line)
     return _code(marks.attempts) or int(alone and not all(mark.grade.passed for mark in marks.marks))
+
+
+def _repaired(marks: Marks, seeds: int | None, how: HowRun) -> Marks:
+    with shown_progress("trying changes") as progress:
+        return with_repairs(marks, seeds, how, progress)
 
 
 def _said(tasks: Sequence[Challenge]) -> str:

@@ -590,6 +590,9 @@ you, with what fails, who is stuck, and whose programs are alike. `--out` can be
 row for each student and a column for each challenge. `--feedback` makes a page for each student.
 `--gradebook` fills in a copy of Moodle's grading worksheet or of Canvas's gradebook.
 
+**Changes**: with `--repair`, the notes say of each program that does not pass which small change of it would,
+as `lrp repair` finds it, within half a minute of computing for each. The pages for students do not show it.
+
 **Exit code**: 0 when every run of the one file met every criterion, or when all submissions of a class were
 graded, whatever their marks are; 1 when the one file does not pass; 2 when a file or challenge does not exist
 or a file cannot be written; 3 for a fault of this package; 130 after Ctrl-C.
@@ -656,6 +659,10 @@ def grade(
             "--sandbox", help="Run programs without files and network (Linux, with bubblewrap installed)."
         ),
     ] = False,
+    repair: Annotated[
+        bool,
+        Option("--repair", help="Note how far off each program is: the smallest change that would pass."),
+    ] = False,
     limit: Limit = 60,
     memory: Memory = 1000,
     jobs: Processes = None,
@@ -682,7 +689,7 @@ def grade(
 
     how = HowRun(limit, memory, jobs, scheduler, sandbox=sandbox)
     where = MarksFiles(out or [], table, feedback, gradebook, column, separator)
-    raise typer.Exit(grade_files(files, challenge, seeds, where, how, given))
+    raise typer.Exit(grade_files(files, challenge, seeds, where, how, given, repair))
 
 
 SWEEP_EPILOG = """
@@ -738,6 +745,50 @@ def sweep(
 
     how = HowRun(limit, memory, jobs, scheduler)
     raise typer.Exit(sweep_file(file, challenge, assignments, seeds, out or [], map_, how))
+
+
+REPAIR_EPILOG = """
+**What is tried**: other numbers, by factors and on either side of what they were compared with in a run that
+failed; another order of two transitions; other sources of a transition; an action in `running`, `onentry` or
+`onexit`; the other comparison; a part of a condition or a transition left out; and what `lrp check` proposes.
+One place is changed at a time. What passes the failed run is tried in all runs; the change with which most of
+them pass comes first, and of several the smallest.
+
+**Exit code**: 0 when a change was found, or none is needed; 1 when none was found, or the text is not a valid
+program; 2 when an argument is wrong or a file cannot be read or written; 3 for a fault of this package; 130
+after Ctrl-C.
+"""
+
+
+@command(epilog=REPAIR_EPILOG)
+def repair(
+    file: File,
+    challenge: Challenge = None,
+    seeds: Annotated[
+        int, _seeds_option(help="Number of runs in each world, in which a change has to prove itself.")
+    ] = 10,
+    budget: Annotated[
+        float, Option(metavar="SECONDS", min=1, max=1e6, help="Seconds of computing for the search.")
+    ] = 60,
+    write: Annotated[
+        Path | None, Option(metavar="FILE", help="Write the program with the first change, as `.lrp`.")
+    ] = None,
+    limit: Limit = 20,
+    memory: Memory = 1000,
+    jobs: Processes = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Find the smallest change with which a program passes a challenge; the file stays as it is."""
+    from lrp_jupyter.cli.program_source import challenge_in
+
+    challenge = challenge or challenge_in(file)
+    if challenge is None:
+        raise LRPError("No challenge was named. Choose one with `--challenge NAME`; `lrp grade` lists them.")
+    from lrp_jupyter.cli.repair_command import repair_file
+    from lrp_jupyter.grading.workers import HowRun
+
+    how = HowRun(limit, memory, jobs, scheduler)
+    raise typer.Exit(repair_file(file, challenge, seeds, budget, write, how))
 
 
 @command()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from time import perf_counter
-from typing import Any, ClassVar, Literal, NamedTuple, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
@@ -73,6 +73,10 @@ class Job:
     def world_name(self) -> str:
         """The name of the world."""
         return self.world.name or "world"
+
+    def named(self, names: Mapping[str, Any]) -> Self:
+        """Return the job with further names that blocks can read."""
+        return replace(self, namespace={**self.namespace, **names})
 
 
 class Attempt(NamedTuple):
@@ -175,7 +179,11 @@ def failed(ended: Ended, sentence: str, reason: str, hint: str = "") -> Attempt:
     return Attempt("", 0, 0.0, (verdict,), (hint,) if hint else (), ended=ended)
 
 
-def attempt(job: Job) -> Attempt:
+Watch = Callable[[Session, SimBridge], object]
+"""Called after each tick of a run, on the thread that ticks."""
+
+
+def attempt(job: Job, watch: Watch | None = None) -> Attempt:
     """Run a program in virtual time, and judge it.
 
     Raises LRPError: the interpreter itself failed.
@@ -183,7 +191,7 @@ def attempt(job: Job) -> Attempt:
     before = random.getstate()
     random.seed(job.seed)
     try:
-        referee = _run(job)
+        referee = _run(job, watch)
     except SessionTimeoutError as error:
         return failed("time", f"is computed within {job.limit:g} s", str(error)).of(job)
     except LRPSyntaxError as error:
@@ -202,7 +210,7 @@ def attempt(job: Job) -> Attempt:
     )
 
 
-def _run(job: Job) -> Referee:
+def _run(job: Job, watch: Watch | None) -> Referee:
     """Run the program.
 
     Raises SessionTimeoutError: it took longer than the limit.
@@ -214,11 +222,18 @@ def _run(job: Job) -> Referee:
     programs = [parse(text, "<lrp grade>") for text in job.texts]
     namespace = with_run_clock(job.namespace, lambda: bridge.simulation.time_since_start)
     with Session(
-        programs[0], bridge, rate=task.rate, namespace=namespace, name="grade", journal=0
+        programs[0],
+        bridge,
+        rate=task.rate,
+        namespace=namespace,
+        name="grade",
+        journal=None if watch else 0,
     ) as session:
         findings = session.check(programs[0])
 
         def over() -> bool:
+            if watch:
+                watch(session, bridge)
             return referee.see(bridge, session.interpreter, findings) or perf_counter() > end
 
         for number, (program, seconds) in enumerate(zip(programs, job.durations, strict=True)):

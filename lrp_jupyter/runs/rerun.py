@@ -23,8 +23,8 @@ from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.inputs import Input
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.expectation import Expectation
-from lrp_jupyter.runs.judging import RunWatch, judged
 from lrp_jupyter.runs.outcome import RunOutcome
+from lrp_jupyter.runs.verdicts import RunWatch, judged
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ NEEDED = {
     "why": ["run.lrplog", "a"],
     "replay": ["run.lrplog"],
     "looks": ["run.lrplog"],
+    "repair": ["follower"],
     "sweep": ["follower"],
 }
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.reading.missing_brackets import Bracket, Repair, repair
+from lrp_jupyter.language.reading.missing_brackets import Bracket, BracketRepair, repair
 from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, Token, keyword_of
 from lrp_jupyter.language.source import Diagnosis
 
@@ -112,7 +112,7 @@ def _repaired(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching
     return Matching(findings, extra, lost, closing)
 
 
-def _moved(found: Repair) -> dict[int, tuple[int, int]]:
+def _moved(found: BracketRepair) -> dict[int, tuple[int, int]]:
     """Return the closing brackets that belong elsewhere: what each closes, and before which bracket."""
     moved: dict[int, tuple[int, int]] = {}
     if len(found.extra) != len(found.unclosed) or found.lost:

@@ -45,7 +45,7 @@ class Bracket(NamedTuple):
     followed: bool = False
 
 
-class Repair(NamedTuple):
+class BracketRepair(NamedTuple):
     """The repair of the brackets, which are identified by their position in the sequence.
 
     `extra`: closing brackets that are superfluous.
@@ -74,7 +74,7 @@ _ROOT = _Open("program", -1, -1, -1)
 _OF_FORMS = frozenset({"program", "machine", "state"})  # after their names, they contain nothing but forms
 
 
-def repair(sequence: Sequence[Bracket]) -> Repair:
+def repair(sequence: Sequence[Bracket]) -> BracketRepair:
     """Return the cheapest repair after which brackets match and forms are where they are allowed.
 
     Text between two top-level forms at the left margin that is correct by itself is not changed.
@@ -86,7 +86,7 @@ def repair(sequence: Sequence[Bracket]) -> Repair:
     ]
     cuts = sorted({0, *margins, len(sequence)})
     wrong = [(start, end) for start, end in pairwise(cuts) if not _is_right(sequence[start:end])]
-    return _search(sequence, wrong[0][0], wrong[-1][1]) if wrong else Repair((), (), ())
+    return _search(sequence, wrong[0][0], wrong[-1][1]) if wrong else BracketRepair((), (), ())
 
 
 def _is_right(sequence: Sequence[Bracket]) -> bool:
@@ -109,7 +109,7 @@ def _may_stand(keyword: str, around: str) -> bool:
     return "?" in (keyword, around) or keyword in LEGAL.get(around, ())
 
 
-def _search(sequence: Sequence[Bracket], start: int, end: int) -> Repair:
+def _search(sequence: Sequence[Bracket], start: int, end: int) -> BracketRepair:
     """Search between two positions, at which the top level is assumed."""
     stacks: _Stacks = {(-1,): (0.0, (_ROOT,), None)}
     for index in range(start, end):
@@ -138,7 +138,7 @@ def _search(sequence: Sequence[Bracket], start: int, end: int) -> Repair:
             lost.append(position)
         else:
             unclosed.append((position, before))
-    return Repair(tuple(sorted(extra)), tuple(sorted(lost)), tuple(sorted(unclosed)))
+    return BracketRepair(tuple(sorted(extra)), tuple(sorted(lost)), tuple(sorted(unclosed)))
 
 
 _Key = tuple[int, ...]

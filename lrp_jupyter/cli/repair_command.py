@@ -1,0 +1,35 @@
+"""``lrp repair``: the smallest change with which a program passes a challenge."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lrp_jupyter.cli.console import plain_console
+from lrp_jupyter.cli.excerpt import print_findings
+from lrp_jupyter.cli.program_source import read_source
+from lrp_jupyter.cli.run_options import check_outputs
+from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.files import write_file
+from lrp_jupyter.grading.challenges import load
+from lrp_jupyter.grading.progress import shown_progress
+from lrp_jupyter.grading.workers import Halt, HowRun
+from lrp_jupyter.repairs.repair import repaired
+
+
+def repair_file(file: str, name: str, seeds: int, budget: float, write: Path | None, how: HowRun) -> int:
+    """Search, and print the answer; return 0 if a change was found, 1 if none."""
+    task = load(name)
+    check_outputs([write] if write else [], (".lrp", ".txt"))
+    source = read_source(file)
+    halt = Halt()
+    try:
+        with shown_progress("trying", lines=True) as progress:
+            found = repaired(source.text, task.whole(), seeds, how, budget, progress, halt)
+    except LRPSyntaxError as error:
+        print_findings(source.name, source.text, error.findings)
+        return 1
+    plain_console().print(str(found))
+    if write is not None and found:
+        write_file(write, found.repairs[0].text)
+        plain_console().print(f"written: {write}")
+    return 0 if found or found.passed == found.runs else 1

@@ -1,0 +1,225 @@
+"""Repair a program: the smallest changes with which it passes a challenge, with what shows that they do.
+
+``repair(program, "there and back")`` tries numbers, orders, sources, moments and comparisons, and returns
+those that help. It never changes the program.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from lrp_jupyter.arguments import check_number, check_type
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.grading.challenges import Challenge, challenge
+from lrp_jupyter.grading.grade import namespace_of, text_of
+from lrp_jupyter.grading.progress import shown_progress
+from lrp_jupyter.grading.workers import Halt, HowRun
+from lrp_jupyter.live.running.checking import check
+from lrp_jupyter.repairs.change import joined
+from lrp_jupyter.repairs.judging import ChallengeJudge
+from lrp_jupyter.repairs.search import Progress, Search, SearchResult
+from lrp_jupyter.repairs.structure import KINDS
+
+_SHOWN = 3  # changes in the answer
+_NAMED = 6  # places at which no change helps
+
+
+@dataclass(frozen=True)
+class Repair:
+    """A change of a program with which it passes more runs; as text it is a sentence.
+
+    Parameters
+    ----------
+    phrase : str
+        What the change is: ```lightlim` 121 instead of 128 (line 7)``.
+    line : int
+        The first line that it changes.
+    changes : tuple of Edit
+        The changes of the text.
+    passed, runs, before : int
+        How many of the runs pass with the change, how many there are, and how many passed without it.
+    text : str
+        The whole program after the change.
+    """
+
+    phrase: str
+    line: int
+    changes: tuple[Edit, ...]
+    passed: int
+    runs: int
+    before: int
+    text: str
+
+    @property
+    def sentence(self) -> str:
+        """What the change is, and in how many runs the program passes with it."""
+        return f"{self.phrase} passes in {self.passed} of {self.runs} runs (now {self.before})."
+
+    def __str__(self) -> str:
+        return self.sentence
+
+
+@dataclass(frozen=True)
+class Repairs:
+    """The result of :func:`repair`; true if a change was found. ``print(result)`` explains it.
+
+    Parameters
+    ----------
+    challenge : str
+    repairs : tuple of Repair
+        The best one first: the one that passes the most runs, and of several the smallest.
+    passed, runs : int
+        How many runs the program passes as it is, and how many there are.
+    unhelpful : tuple of str
+        The numbers that no other value of which helps.
+    tried : mapping of str to int
+        How many places were tried, by the kind of change in words.
+    made : int
+        How many runs were made for this.
+    complete : bool
+        Whether everything was tried, or the time was over before.
+    """
+
+    challenge: str
+    repairs: tuple[Repair, ...]
+    passed: int
+    runs: int
+    unhelpful: tuple[str, ...]
+    tried: dict[str, int]
+    made: int
+    complete: bool
+
+    @classmethod
+    def of(cls, name: str, text: str, found: SearchResult) -> Repairs:
+        """Return the answer that the outcome of a search is."""
+        repairs = tuple(
+            Repair(
+                each.change.subject,
+                min(each.change.lines),
+                each.change.edits,
+                each.passed,
+                found.runs,
+                found.before,
+                each.change.apply(text),
+            )
+            for each in found.found
+        )
+        helped = {each.change.topic for each in found.found}
+        unhelpful = [each for each in found.tried if each.kind == "number" and each not in helped]
+        tried = {KINDS[kind]: len([each for each in found.tried if each.kind == kind]) for kind in KINDS}
+        return cls(
+            name,
+            repairs,
+            found.before,
+            found.runs,
+            tuple(dict.fromkeys(each.what for each in unhelpful)),
+            {what: count for what, count in tried.items() if count},
+            found.made,
+            found.is_complete,
+        )
+
+    def __bool__(self) -> bool:
+        return bool(self.repairs)
+
+    @property
+    def first_sentence(self) -> str:
+        """The best change, or that there is none."""
+        return next(self._sentences())
+
+    def __str__(self) -> str:
+        return " ".join(self._sentences())
+
+    def _sentences(self) -> Iterator[str]:
+        if self.passed == self.runs:
+            yield f"The program passes in all {self.runs} runs as it is."
+            return
+        if not self.repairs:
+            now = f"({self.passed} of {self.runs} runs)"
+            yield f"No small change was found with which the program passes {now}."
+            kinds = joined(self.tried, "and") if self.tried else "nothing"
+            yield f"Tried were {kinds}, in {self.made} runs."
+        else:
+            yield self.repairs[0].sentence
+            for each in self.repairs[1:_SHOWN]:
+                yield f"{each.phrase} does, too: {each.passed} of {each.runs}."
+            if self.unhelpful:
+                yield f"Changing {joined(self.unhelpful[:_NAMED], 'or')} does not help."
+        if not self.complete:
+            yield "The search was ended before everything was tried."
+
+
+def repair(
+    program: Any,
+    what: str | Challenge,
+    seeds: int = 10,
+    *,
+    limit: float = 60,
+    namespace: dict[str, Any] | None = None,
+    progress: Callable[[int, int], object] | None = None,
+    halt: Halt | None = None,
+) -> Repairs:
+    """Find the smallest changes with which a program passes a challenge; the program stays as it is.
+
+    Parameters
+    ----------
+    program : str, Program, Session or Lab
+    what : str or Challenge
+        A challenge or its name.
+    seeds : int
+        Number of runs in each world, in which a change has to prove itself.
+    limit : float
+        Seconds of computing; then the answer is what was found until then.
+    namespace : dict, optional
+        Names available to the blocks; default: those of the session or lab, if one is given.
+    progress : callable, optional
+        Called with the number of runs that were made, and of those that are planned so far; by default a bar
+        on a terminal or in a notebook.
+    halt : Halt, optional
+        Set from another thread, it ends the search.
+
+    Returns
+    -------
+    Repairs
+
+    Raises
+    ------
+    LRPSyntaxError
+        The text is not a valid program.
+    LRPError
+        There is no such challenge.
+
+    Examples
+    --------
+    >>> text = "(machine m (state a (onentry [robot.move(linear=0.2)]))) (spawn m a)"
+    >>> print(repair(text, "robot 5", seeds=1).repairs[0].phrase)
+    `[robot.move(linear=0.2)]` in `running` instead of `onentry` of `a` (line 1)
+    """
+    check_type("what", what, (str, Challenge), "the name of a challenge or a Challenge")
+    check_number("limit", limit, "a number of seconds", above=0)
+    task = challenge(what) if isinstance(what, str) else what
+    names = namespace_of(program) if namespace is None else namespace
+    how = HowRun(min(20.0, limit), namespace=names)
+    if progress is not None:
+        return repaired(text_of(program), task, seeds, how, limit, progress, halt)
+    with shown_progress("repair") as shown:
+        return repaired(text_of(program), task, seeds, how, limit, shown, halt)
+
+
+def repaired(
+    text: str,
+    task: Challenge,
+    seeds: int,
+    how: HowRun,
+    limit: float,
+    progress: Progress = lambda done, of: None,
+    halt: Halt | None = None,
+) -> Repairs:
+    """Find the smallest changes of a text; see :func:`repair`."""
+    halt = halt or Halt()
+    judge = ChallengeJudge(task, seeds, how, halt)
+    findings = check(text, how.namespace or (), SimBridge(judge.task.runs[0][0]))
+    outcome = Search(text, judge, findings, limit, progress, halt).run()
+    return Repairs.of(task.name, text, outcome)

@@ -1,0 +1,166 @@
+"""A failed run once more, as a witness: which numbers it used, what they were compared with, what fired.
+
+The text that runs is the program's with calls around its numbers and comparisons, which note a value and
+return it. It runs in the process of a worker, as every graded run does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.grading.attempt import Ended, Job, attempt
+from lrp_jupyter.interpreter.facts import Fired
+from lrp_jupyter.language.edits.drawing import DrawnProgram
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Path, Span
+from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.repairs.numbers import Numbers
+
+_MOST = 1000  # pairs that are kept of a comparison
+_READ, _SIDE = "lrp_read_number", "lrp_compared_side"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a failed run did.
+
+    `used`: the numbers that were used, by index.
+    `compared`: the two sides of each comparison, by its index: different pairs, in order.
+    `fired`: the transitions that fired, and `stayed`: for how long each state that was entered was active at
+        most; both by path of definition.
+    `ended`: why there was no complete run.
+    """
+
+    used: frozenset[int] = frozenset()
+    compared: Mapping[int, list[tuple[float, float]]] = field(default_factory=dict)
+    fired: frozenset[Path] = frozenset()
+    stayed: Mapping[Path, float] = field(default_factory=dict)
+    ended: str = ""
+
+
+@dataclass(frozen=True)
+class WitnessJob(Job):
+    """A run that is made to see what a program does; its last text has the calls in it."""
+
+    def done(self) -> dict[str, Any]:
+        """Make the run, and return what was noted."""
+        notes = _Notes()
+        made = attempt(self.named({_READ: notes.read, _SIDE: notes.side}), notes.watch)
+        return {**notes.plain(), "ended": made.ended}
+
+    def failed(self, ended: Ended, sentence: str, reason: str) -> Evidence:  # type: ignore[override]
+        """Return what is known of a run that did not come to its end: nothing but that."""
+        return Evidence(ended=ended)
+
+    def made(self, data: Any) -> Evidence:  # type: ignore[override]
+        """Return what was noted, from plain data that the program may have written."""
+        try:
+            return Evidence(
+                frozenset(map(int, data["used"])),
+                {
+                    int(key): [(float(left), float(right)) for left, right in pairs]
+                    for key, pairs in data["compared"].items()
+                },
+                frozenset(tuple(map(str, path)) for path in data["fired"]),
+                {tuple(map(str, path)): float(seconds) for path, seconds in data["stayed"]},
+                str(data["ended"]),
+            )
+        except (TypeError, LookupError, AttributeError, OverflowError) as error:
+            raise ValueError("This is no evidence.") from error
+
+
+class _Notes:
+    """Notes what a program does; in the process of its run."""
+
+    def __init__(self) -> None:
+        self._used: set[int] = set()
+        self._left: dict[int, object] = {}
+        self._pairs: dict[int, dict[tuple[float, float], None]] = {}
+        self._fired: set[Path] = set()
+        self._stayed: dict[Path, float] = {}
+        self._tick = 0
+
+    def read(self, index: int, value: Any) -> Any:
+        self._used.add(index)
+        return value
+
+    def side(self, index: int, is_right: bool, value: Any) -> Any:
+        if not is_right:
+            self._left[index] = value
+        else:
+            left = self._left.get(index)
+            pairs = self._pairs.setdefault(index, {})
+            if _is_number(left) and _is_number(value) and len(pairs) < _MOST:
+                pairs[float(left), float(value)] = None  # type: ignore[arg-type]
+        return value
+
+    def watch(self, session: Session, bridge: SimBridge) -> None:
+        now, interpreter = bridge.simulation.time_since_start, session.interpreter
+        for tick, fact in interpreter.history.told(self._tick + 0.1):
+            self._tick = int(tick)
+            if isinstance(fact, Fired):
+                self._fired.add(fact.transition.path)
+        names = resolve(interpreter.program)
+        for active in interpreter.active:
+            for end in range(2, len(active) + 1, 2):
+                state = (*names.defined(active[: end - 1]), active[end - 1])
+                seconds = now - (interpreter.entered(active[:end]) or 0.0)
+                self._stayed[state] = max(seconds, self._stayed.get(state, 0.0))
+
+    def plain(self) -> dict[str, Any]:
+        return {
+            "used": sorted(self._used),
+            "compared": {index: list(pairs) for index, pairs in self._pairs.items()},
+            "fired": sorted(self._fired),
+            "stayed": sorted(self._stayed.items()),
+        }
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and abs(value) < 1e12
+
+
+def with_notes(text: str, numbers: Numbers) -> str:
+    """Return a text with the calls in it; the text itself if that would not be a program."""
+    wraps: list[tuple[Span, str, str]] = []
+    for index, number in enumerate(numbers.found):
+        call = f"{_READ}({index}, "
+        if number.is_delay and text[number.span.start - 1] != "[" and number.span == number.shown:
+            wraps.append((number.span, f"[{call}", ")]"))
+        else:
+            wraps += [(span, call, ")") for span in number.reads or (number.span,)]
+    for index, each in enumerate(numbers.comparisons):
+        wraps.append((each.left, f"{_SIDE}({index}, False, ", ")"))
+        wraps.append((each.right, f"{_SIDE}({index}, True, ", ")"))
+    noted = _wrapped(text, wraps)
+    try:
+        parse(noted)
+    except LRPSyntaxError:
+        return text
+    return noted
+
+
+def _wrapped(text: str, wraps: Iterable[tuple[Span, str, str]]) -> str:
+    """Return a text with something before and after each of some ranges, which may be nested."""
+    pieces: list[tuple[int, int, int, str]] = []
+    for number, (span, before, after) in enumerate(wraps):
+        pieces.append((span.start, 1, -span.end * 10_000 + number, before))
+        pieces.append((span.end, 0, -span.start * 10_000 - number, after))
+    result, done = [], 0
+    for at, _, _, piece in sorted(pieces):
+        result += [text[done:at], piece]
+        done = at
+    return "".join([*result, text[done:]])
+
+
+def numbers_in(text: str) -> Numbers:
+    """Return the numbers of a text.
+
+    Raises LRPSyntaxError: it is not a valid program.
+    """
+    return Numbers(DrawnProgram(text))

@@ -1,0 +1,143 @@
+"""The smallest change with which a program passes: found by real runs, or said not to be found."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from lrp_jupyter import grade, repair
+from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.grading.attempt import attempt
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.grade import jobs_of
+from lrp_jupyter.grading.workers import Halt
+from lrp_jupyter.repairs.search import Search
+from lrp_jupyter.repairs.witness import Evidence, WitnessJob, numbers_in, with_notes
+
+SOLUTIONS = Path(__file__).parents[2] / "notebooks" / "teachers" / "solutions"
+SLOW = "(machine m (state go (running [robot.move(linear=0.02)]))) (spawn m go)"
+IDLE = "(machine m (state waiting)) (spawn m waiting)"
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (1, "instead of `robot.distance.data < -0.01` (line 2)"),
+        (3, "Swapping `tsave` and `talarm` (lines 8 and 9)"),
+        (5, "`[robot.move(linear=0.2)]` in `running` instead of `onentry` of `driving` (line 3)"),
+        (6, "create the variable `lap_time`"),
+    ],
+)
+def test_the_first_change_of_a_broken_robot_is_what_was_broken(number, words):
+    challenge = f"robot {number}"
+    found = repair(starter(challenge), challenge, seeds=2)
+    assert words in found.repairs[0].sentence
+    assert found.repairs[0].sentence.endswith("passes in 2 of 2 runs (now 0).")
+    assert grade(found.repairs[0].text, challenge, 2).passed
+
+
+def test_a_planted_number_is_found_and_a_round_one_is_proposed():
+    found = repair(SLOW, "first move", seeds=2)
+    value = float(re.match(r"`linear=([\d.]+)` instead of `linear=0.02` \(line 1\)", str(found))[1])
+    assert 0.06 <= value <= 0.5
+    assert len(str(value)) <= 4
+    assert (found.passed, found.runs, found.repairs[0].line) == (0, 2, 1)
+
+
+def test_where_no_small_change_helps_this_is_said_with_what_was_tried():
+    found = repair(IDLE, "first move", seeds=1)
+    assert not found
+    assert str(found).startswith("No small change was found with which the program passes (0 of 1 runs).")
+    tried = repair(SLOW.replace("linear", "angular"), "first move", seeds=1)
+    assert "Tried were other numbers, in" in str(tried)
+    passing = repair(SLOW.replace("0.02", "0.2"), "first move", seeds=1)
+    assert str(passing) == "The program passes in all 1 runs as it is."
+
+
+def test_it_can_be_stopped_and_says_so():
+    halt, counts = Halt(), []
+
+    def progress(done, of):
+        counts.append((done, of))
+        if done == 5:
+            halt.set()
+
+    found = repair(starter("robot 3"), "robot 3", seeds=2, progress=progress, halt=halt)
+    assert found.made < 20
+    assert str(found).endswith("The search was ended before everything was tried.")
+    assert all(done <= of for done, of in counts)
+
+
+def test_two_searches_give_the_same_answer():
+    first, second = (repair(starter("robot 4"), "robot 4", seeds=1) for _ in range(2))
+    assert first == second
+
+
+def test_a_text_that_is_no_program_is_refused():
+    with pytest.raises(LRPSyntaxError):
+        repair("(machine", "first move")
+
+
+@pytest.mark.parametrize("name", ["square", "bump and turn", "debug the printed listing"])
+def test_a_witness_does_what_the_program_does(name):
+    text = (SOLUTIONS / f"{name.replace(' ', '-')}.lrp").read_text("utf-8")
+    noted = with_notes(text, numbers_in(text))
+    assert noted != text
+    names = {"lrp_read_number": lambda _, value: value, "lrp_compared_side": lambda _, __, value: value}
+    runs = [jobs_of(each, name, 1)[1][0] for each in (text, noted)]
+    plain, witness = (attempt(run.named(names)) for run in runs)
+    assert plain.passed
+    assert (witness.path, witness.seconds) == (plain.path, plain.seconds)
+
+
+NOTHING = {"used": [], "compared": {}, "fired": [], "stayed": [], "ended": ""}
+
+
+@pytest.mark.parametrize(
+    "data",
+    [None, [], {"used": [1]}, NOTHING | {"used": ["a"]}, NOTHING | {"compared": {"0": [[10**400, 1]]}}],
+)
+def test_what_a_program_writes_instead_of_evidence_is_refused(data):
+    job = jobs_of(SLOW, "first move", 1)[1][0]
+    witness = WitnessJob(job.texts, job.task, job.world, job.seed, job.limit)
+    assert witness.made(NOTHING) == Evidence()
+    with pytest.raises(ValueError, match=r"evidence|invalid literal"):
+        witness.made(data)
+
+
+class Between:
+    """A judge: a program passes if the number in it is in a range."""
+
+    runs = 3
+
+    def __init__(self, low, high):
+        self._low, self._high = low, high
+
+    def outcomes(self, trials):
+        for index, trial in enumerate(trials):
+            number = float(re.search(r":= \[(.*?)\]", trial.text)[1])
+            yield index, self._low <= number <= self._high
+
+    def witness(self, text, numbers, run):
+        return Evidence()
+
+    def group(self, run):
+        return run
+
+
+@pytest.mark.parametrize(
+    ("now", "low", "high"),
+    [
+        (1280, 20, 235),
+        (0.02, 0.08, 0.3),
+        (-0.2, 0.1, 0.4),
+        (1000, 2500, 3500),
+        (0.5, 0.9, 1.2),
+        (4, 0.3, 0.5),
+    ],
+)
+def test_the_proposed_number_is_round_and_well_inside_the_range_that_passes(now, low, high):
+    found = Search(f"(var v := [{now}])", Between(low, high)).run().found
+    value = found[0].change.value
+    assert low + 0.1 * (high - low) <= value <= high - 0.1 * (high - low)
+    assert len(f"{value:g}".strip("0.")) <= 2
