@@ -12,7 +12,7 @@ PRINTS = "(machine m (state a (running [print('here'); 1 / 0]))) (spawn m a)"
 MANY = "\n".join(f"(machine m{n} (state a)) (spawn m{n} a)" for n in range(9))
 DIAMETER = 0.16  # m, of the bundled robot
 PANELS = ("editor", "graph", "world", "variables")
-TABS = ("robot", "issues", "breakpoints", "variables")
+TABS = ("robot", "issues", "runs", "breakpoints", "variables")
 STACKED = "(panels, stacked) => panels.hasAttribute('data-stacked') === stacked"
 FRAMES = "async () => { for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame); }"
 SCREENS = [(1600, 1000), (1900, 1000), (1280, 800), (900, 900), (700, 900)]
@@ -365,7 +365,7 @@ def resize_and_reload(lab):
     lab.find('[role="separator"][aria-label="Width of the world"]:visible').dblclick()
     assert box(lab, "world")["width"] == pytest.approx(usual, abs=3)
     whole = lab.box(".lrp-panels")
-    others = ("editor", "tree", "graph", "variables", "issues", "breakpoints")
+    others = ("editor", "tree", "graph", "variables", "issues", "runs", "breakpoints")
     for part in others:  # the place of hidden ones goes to the others
         lab.do("menu")
         lab.choose(f"panel-{part}")

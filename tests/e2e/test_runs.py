@@ -1,5 +1,7 @@
 """Runs as examples: kept in the lab, run again after an edit, looked at; what they reach of the program."""
 
+from e2e import axe
+
 WEAVER = """\
 (machine m
   (state go (running [robot.move(linear=0.1)]))
@@ -62,6 +64,7 @@ def see_what_it_reaches(lab):
     figures = lab.find(".lrp-coverage-gutter .cm-gutterElement:not([style*=hidden]) .lrp-reached")
     lab.until("figure => figure", ".lrp-coverage-gutter .lrp-reached")
     assert figures.all_inner_texts() == ["1", "1", "0", "1", "1", "0"]
+    axe.finds_nothing_serious(lab)
     lab.do("coverage")
     lab.misses(".lrp-reached")
 

@@ -39,20 +39,31 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   const shown = new Map<string, Shown>();
   let first = new Set<string>();
   let styleOf = trailStyles(store.state.program, TRAIL_COLORS);
-  const again = button({
-    ...{ icon: "reset", label: "New run", action: "new-run" },
-    title: "Put the world back to its start, and start the program again: what follows can be kept",
-    onclick: () => void lab.act({ do: "new_run" }),
-  });
-  const more = button({
-    ...{ icon: "folder", label: "Attach runs…", action: "attach-runs", onclick: attach },
-    title: "Show and run the recordings of another folder, too",
-  });
-  const covers = toggle("Coverage", COVERAGE, "coverage", () => {
+  const begin = () => void lab.act({ do: "new_run" });
+  const cover = () => {
     coverage.flip();
     setSwitch(covers, coverage.on);
-  });
+  };
+  const covers = toggle("Coverage", COVERAGE, "coverage", cover);
   setSwitch(covers, coverage.on);
+  const tools = [
+    keepButton(lab, keep),
+    button({
+      ...{ icon: "reset", label: "New run", action: "new-run", onclick: begin },
+      title: "Put the world back to its start, and start the program again: what follows can be kept",
+    }),
+    button({
+      ...{ icon: "folder", label: "Attach runs…", action: "attach-runs", onclick: attach },
+      title: "Show and run the recordings of another folder, too",
+    }),
+    covers,
+    // in the place of the last three where there is little room
+    menuButton(lab.root, { title: "More for the runs", action: "runs-menu" }, "Runs", () => [
+      item("New run", "menu-new-run", begin),
+      item("Attach runs…", "menu-attach-runs", attach),
+      item("Coverage", "menu-coverage", cover, { checked: coverage.on }),
+    ]),
+  ];
   const error = h("p", { class: "lrp-error", role: "status" });
   const list = h("ul", { class: "lrp-runs", "aria-label": "Kept runs" });
   const reached = h("p", { class: "lrp-runs-reached" });
@@ -63,7 +74,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   const leave = (name: string) => {
     focused = name;
   };
-  const { element, heading } = panel("runs", "Runs", [keepButton(lab, keep), again, more, covers], body);
+  const { element, heading } = panel("runs", "Runs", tools, body);
   element.setAttribute(ABSENT, "");
 
   store.watch(["program"], () => {

@@ -64,7 +64,8 @@ export class Tabs {
     const { front, strip } = this;
     const tab = this.tabs.get(front ?? "");
     if (!tab) return;
-    const tools = this.panels[front!]?.querySelector<HTMLElement>(".lrp-head")?.offsetWidth ?? 0;
+    const head = this.panels[front!]?.querySelector<HTMLElement>(".lrp-head");
+    const tools = (head?.offsetWidth ?? 0) + 1; // and what is less than a px
     strip.style.paddingRight = `${tools}px`;
     const [left, right] = [tab.offsetLeft - PEEP, tab.offsetLeft + tab.offsetWidth + PEEP];
     strip.scrollLeft = Math.min(left, Math.max(0, right + tools - strip.clientWidth));
