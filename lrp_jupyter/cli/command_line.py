@@ -764,6 +764,10 @@ after Ctrl-C.
 def repair(
     file: File,
     challenge: Challenge = None,
+    runs: Annotated[
+        list[str] | None,
+        Option(metavar="RUNS", help="A recording, or a folder of them, that the program has to pass, too."),
+    ] = None,
     seeds: Annotated[
         int, _seeds_option(help="Number of runs in each world, in which a change has to prove itself.")
     ] = 10,
@@ -778,17 +782,19 @@ def repair(
     jobs: Processes = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Find the smallest change with which a program passes a challenge; the file stays as it is."""
+    """Find the smallest change with which a program passes a challenge, or its kept runs, or both.
+
+    Without a challenge, and without `--runs`, the folder `NAME.runs` beside the program has the runs, as for
+    `lrp test`. The file stays as it is.
+    """
     from lrp_jupyter.cli.program_source import challenge_in
 
     challenge = challenge or challenge_in(file)
-    if challenge is None:
-        raise LRPError("No challenge was named. Choose one with `--challenge NAME`; `lrp grade` lists them.")
     from lrp_jupyter.cli.repair_command import repair_file
     from lrp_jupyter.grading.workers import HowRun
 
     how = HowRun(limit, memory, jobs, scheduler)
-    raise typer.Exit(repair_file(file, challenge, seeds, budget, write, how))
+    raise typer.Exit(repair_file(file, challenge, runs or [], seeds, budget, write, how))
 
 
 @command()

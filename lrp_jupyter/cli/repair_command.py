@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from lrp_jupyter.cli.console import plain_console
@@ -13,18 +14,33 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.grading.challenges import load
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.workers import Halt, HowRun
+from lrp_jupyter.live.stored.run_files import runs_folder
 from lrp_jupyter.repairs.repair import repaired
+from lrp_jupyter.runs.decide import runs_named
 
 
-def repair_file(file: str, name: str, seeds: int, budget: float, write: Path | None, how: HowRun) -> int:
-    """Search, and print the answer; return 0 if a change was found, 1 if none."""
-    task = load(name)
+def repair_file(
+    file: str,
+    name: str | None,
+    runs: Sequence[str],
+    seeds: int,
+    budget: float,
+    write: Path | None,
+    how: HowRun,
+) -> int:
+    """Search, and print the answer; return 0 if a change was found, 1 if none.
+
+    Without a challenge and named runs, those beside the program judge.
+    """
+    beside = runs_folder(file)
+    kept = runs_named([beside] if beside.is_dir() and name is None and not runs else runs)
+    task = None if name is None else load(name).whole()
     check_outputs([write] if write else [], (".lrp", ".txt"))
     source = read_source(file)
     halt = Halt()
     try:
         with shown_progress("trying", lines=True) as progress:
-            found = repaired(source.text, task.whole(), seeds, how, budget, progress, halt)
+            found = repaired(source.text, task, seeds, how, budget, progress, halt, kept)
     except LRPSyntaxError as error:
         print_findings(source.name, source.text, error.findings)
         return 1

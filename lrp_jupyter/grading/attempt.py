@@ -179,7 +179,7 @@ def failed(ended: Ended, sentence: str, reason: str, hint: str = "") -> Attempt:
     return Attempt("", 0, 0.0, (verdict,), (hint,) if hint else (), ended=ended)
 
 
-Watch = Callable[[Session, SimBridge], object]
+Watch = Callable[[Session], object]
 """Called after each tick of a run, on the thread that ticks."""
 
 
@@ -233,7 +233,7 @@ def _run(job: Job, watch: Watch | None) -> Referee:
 
         def over() -> bool:
             if watch:
-                watch(session, bridge)
+                watch(session)
             return referee.see(bridge, session.interpreter, findings) or perf_counter() > end
 
         for number, (program, seconds) in enumerate(zip(programs, job.durations, strict=True)):

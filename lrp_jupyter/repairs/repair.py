@@ -6,22 +6,27 @@ those that help. It never changes the program.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any
 
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import Edit
+from lrp_jupyter.errors import Edit, Finding, LRPError
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.grade import namespace_of, text_of
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.workers import Halt, HowRun
 from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.repairs.change import joined
-from lrp_jupyter.repairs.judging import ChallengeJudge
+from lrp_jupyter.repairs.examples import ExamplesJudge, JointJudge
+from lrp_jupyter.repairs.judging import ChallengeJudge, Judge
 from lrp_jupyter.repairs.search import Progress, Search, SearchResult
 from lrp_jupyter.repairs.structure import KINDS
+from lrp_jupyter.runs.decide import runs_named
+from lrp_jupyter.runs.kept_runs import KeptRun
 
 _SHOWN = 3  # changes in the answer
 _NAMED = 6  # places at which no change helps
@@ -69,6 +74,7 @@ class Repairs:
     Parameters
     ----------
     challenge : str
+        Its name; empty if only kept runs have judged.
     repairs : tuple of Repair
         The best one first: the one that passes the most runs, and of several the smallest.
     passed, runs : int
@@ -153,23 +159,28 @@ class Repairs:
 
 def repair(
     program: Any,
-    what: str | Challenge,
+    what: str | Challenge | None = None,
     seeds: int = 10,
     *,
+    runs: str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]] = (),
     limit: float = 60,
     namespace: dict[str, Any] | None = None,
     progress: Callable[[int, int], object] | None = None,
     halt: Halt | None = None,
 ) -> Repairs:
-    """Find the smallest changes with which a program passes a challenge; the program stays as it is.
+    """Find the smallest changes with which a program passes a challenge, or its kept runs, or both.
+
+    The program stays as it is.
 
     Parameters
     ----------
     program : str, Program, Session or Lab
-    what : str or Challenge
+    what : str or Challenge, optional
         A challenge or its name.
     seeds : int
         Number of runs in each world, in which a change has to prove itself.
+    runs : path, or iterable of paths or KeptRun
+        A folder of recordings, or several folders, files or runs.
     limit : float
         Seconds of computing; then the answer is what was found until then.
     namespace : dict, optional
@@ -188,8 +199,10 @@ def repair(
     ------
     LRPSyntaxError
         The text is not a valid program.
+    FileError
+        There is no such folder or file.
     LRPError
-        There is no such challenge.
+        There is no such challenge; or neither a challenge nor a run is given.
 
     Examples
     --------
@@ -197,29 +210,38 @@ def repair(
     >>> print(repair(text, "robot 5", seeds=1).repairs[0].phrase)
     `[robot.move(linear=0.2)]` in `running` instead of `onentry` of `a` (line 1)
     """
-    check_type("what", what, (str, Challenge), "the name of a challenge or a Challenge")
+    check_type("what", what, (str, Challenge, NoneType), "the name of a challenge or a Challenge")
     check_number("limit", limit, "a number of seconds", above=0)
     task = challenge(what) if isinstance(what, str) else what
     names = namespace_of(program) if namespace is None else namespace
     how = HowRun(min(20.0, limit), namespace=names)
+    kept, text = runs_named(runs), text_of(program)
     if progress is not None:
-        return repaired(text_of(program), task, seeds, how, limit, progress, halt)
+        return repaired(text, task, seeds, how, limit, progress, halt, kept)
     with shown_progress("repair") as shown:
-        return repaired(text_of(program), task, seeds, how, limit, shown, halt)
+        return repaired(text, task, seeds, how, limit, shown, halt, kept)
 
 
 def repaired(
     text: str,
-    task: Challenge,
+    task: Challenge | None,
     seeds: int,
     how: HowRun,
     limit: float,
     progress: Progress = lambda done, of: None,
     halt: Halt | None = None,
+    kept: Sequence[KeptRun] = (),
 ) -> Repairs:
     """Find the smallest changes of a text; see :func:`repair`."""
-    halt = halt or Halt()
-    judge = ChallengeJudge(task, seeds, how, halt)
-    findings = check(text, how.namespace or (), SimBridge(judge.task.runs[0][0]))
-    outcome = Search(text, judge, findings, limit, progress, halt).run()
-    return Repairs.of(task.name, text, outcome)
+    halt, judges = halt or Halt(), list[Judge]()
+    findings: Sequence[Finding] = ()
+    if task is not None:
+        of_challenge = ChallengeJudge(task, seeds, how, halt)
+        findings = check(text, how.namespace or (), SimBridge(of_challenge.task.runs[0][0]))
+        judges.append(of_challenge)
+    if kept:
+        judges.append(ExamplesJudge(kept, how, halt))
+    if not judges:
+        raise LRPError("There is nothing to judge the program by. Name a challenge, or runs that are kept.")
+    outcome = Search(text, JointJudge(judges), findings, limit, progress, halt).run()
+    return Repairs.of("" if task is None else task.name, text, outcome)

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPSyntaxError
 from lrp_jupyter.grading.attempt import Ended, Job, attempt
 from lrp_jupyter.interpreter.facts import Fired
@@ -49,8 +48,8 @@ class WitnessJob(Job):
 
     def done(self) -> dict[str, Any]:
         """Make the run, and return what was noted."""
-        notes = _Notes()
-        made = attempt(self.named({_READ: notes.read, _SIDE: notes.side}), notes.watch)
+        notes = RunNotes()
+        made = attempt(self.named(notes.names), notes.watch)
         return {**notes.plain(), "ended": made.ended}
 
     def failed(self, ended: Ended, sentence: str, reason: str) -> Evidence:  # type: ignore[override]
@@ -59,22 +58,27 @@ class WitnessJob(Job):
 
     def made(self, data: Any) -> Evidence:  # type: ignore[override]
         """Return what was noted, from plain data that the program may have written."""
-        try:
-            return Evidence(
-                frozenset(map(int, data["used"])),
-                {
-                    int(key): [(float(left), float(right)) for left, right in pairs]
-                    for key, pairs in data["compared"].items()
-                },
-                frozenset(tuple(map(str, path)) for path in data["fired"]),
-                {tuple(map(str, path)): float(seconds) for path, seconds in data["stayed"]},
-                str(data["ended"]),
-            )
-        except (TypeError, LookupError, AttributeError, OverflowError) as error:
-            raise ValueError("This is no evidence.") from error
+        return evidence_in(data)
 
 
-class _Notes:
+def evidence_in(data: Any) -> Evidence:
+    """Return what was noted, from plain data. Raises ValueError: they do not describe that."""
+    try:
+        return Evidence(
+            frozenset(map(int, data["used"])),
+            {
+                int(key): [(float(left), float(right)) for left, right in pairs]
+                for key, pairs in data["compared"].items()
+            },
+            frozenset(tuple(map(str, path)) for path in data["fired"]),
+            {tuple(map(str, path)): float(seconds) for path, seconds in data["stayed"]},
+            str(data["ended"]),
+        )
+    except (TypeError, LookupError, AttributeError, OverflowError) as error:
+        raise ValueError("This is no evidence.") from error
+
+
+class RunNotes:
     """Notes what a program does; in the process of its run."""
 
     def __init__(self) -> None:
@@ -85,11 +89,18 @@ class _Notes:
         self._stayed: dict[Path, float] = {}
         self._tick = 0
 
+    @property
+    def names(self) -> dict[str, Any]:
+        """The names that the calls in the text read."""
+        return {_READ: self.read, _SIDE: self.side}
+
     def read(self, index: int, value: Any) -> Any:
+        """Note that a number is used, by its index; return it."""
         self._used.add(index)
         return value
 
     def side(self, index: int, is_right: bool, value: Any) -> Any:
+        """Note a side of a comparison, by its index; return it."""
         if not is_right:
             self._left[index] = value
         else:
@@ -99,8 +110,9 @@ class _Notes:
                 pairs[float(left), float(value)] = None  # type: ignore[arg-type]
         return value
 
-    def watch(self, session: Session, bridge: SimBridge) -> None:
-        now, interpreter = bridge.simulation.time_since_start, session.interpreter
+    def watch(self, session: Session) -> None:
+        """Note what a tick has brought."""
+        now, interpreter = session._loop.timing.now, session.interpreter
         for tick, fact in interpreter.history.told(self._tick + 0.1):
             self._tick = int(tick)
             if isinstance(fact, Fired):
@@ -113,6 +125,7 @@ class _Notes:
                 self._stayed[state] = max(seconds, self._stayed.get(state, 0.0))
 
     def plain(self) -> dict[str, Any]:
+        """Return what was noted, as plain data."""
         return {
             "used": sorted(self._used),
             "compared": {index: list(pairs) for index, pairs in self._pairs.items()},

@@ -113,13 +113,12 @@ def decide(
         A name of the notebook cannot be sent to another process.
     """
     text = text_of(program)
-    several = [runs] if isinstance(runs, (str, os.PathLike)) else [*runs]
-    wanted = [run for each in several for run in ([each] if isinstance(each, KeptRun) else kept_runs(each))]
+    wanted = runs_named(runs)
     namespace = program.namespace if isinstance(program, Session) else how.namespace or {}
     parsed, made, jobs = parse(text), dict[KeptRun, RunOutcome](), list[tuple[KeptRun, Rerun]]()
     for run in wanted:
         try:
-            jobs.append((run, _job(text, run, how, namespace, trusted)))
+            jobs.append((run, rerun_of(text, run, how, namespace, trusted)))
         except LRPError as error:  # of what is expected
             made[run] = RunOutcome(problem=sentence_of(error))
             told(run, made[run])
@@ -130,7 +129,24 @@ def decide(
     return Decisions(parsed, {run: made[run] for run in wanted if run in made})
 
 
-def _job(text: str, run: KeptRun, how: HowRun, namespace: Mapping[str, Any], trusted: bool) -> Rerun:
+def runs_named(
+    runs: str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]],
+) -> list[KeptRun]:
+    """Return the runs of a folder, or of several folders and files, or these runs.
+
+    Raises FileError: there is no such folder or file.
+    """
+    several = [runs] if isinstance(runs, (str, os.PathLike)) else [*runs]
+    return [run for each in several for run in ([each] if isinstance(each, KeptRun) else kept_runs(each))]
+
+
+def rerun_of(
+    text: str, run: KeptRun, how: HowRun, namespace: Mapping[str, Any], trusted: bool = False
+) -> Rerun:
+    """Return a run that is to be run again with a text.
+
+    Raises LRPError: what is expected of it cannot be read, or there is no such challenge.
+    """
     expected = expectation(run.expected)
     file = str(Path(run.file).absolute())
     return Rerun((text,), file, expected, expected.challenges, how.limit, trusted, namespace)

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from lrp_jupyter.errors import FileError, LRPError
+from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_text, shown, unreadable, unwritable, write_file
 from lrp_jupyter.live.stored.run_files import ENDINGS, check_name, name_of, runs_folder
 from lrp_jupyter.logs import unused
@@ -149,12 +149,4 @@ def _move(file: Path, to: Path) -> None:
         raise unwritable(to, error) from None
 
 
-def named(runs: Iterable[KeptRun], name: str) -> KeptRun:
-    """Return the run of a name. Raises LRPError: there is none."""
-    found = next((run for run in runs if run.name == name), None)
-    if found is None:
-        raise LRPError(f"There is no run `{name}` any more.")
-    return found
-
-
-__all__ = ["EXPECTED", "KeptRun", "expect", "kept_runs", "named", "remove", "rename", "runs_folder"]
+__all__ = ["EXPECTED", "KeptRun", "expect", "kept_runs", "remove", "rename", "runs_folder"]

@@ -65,10 +65,13 @@ class Rerun:
         """Run it again, and return the outcome as plain data."""
         return self.outcome()._asdict()
 
-    def outcome(self) -> RunOutcome:
-        """Run it again. Raises LRPError: the interpreter itself failed."""
+    def outcome(self, also: Callable[[Session], object] | None = None) -> RunOutcome:
+        """Run it again, and call `also` after every tick, with the session that remembers it.
+
+        Raises LRPError: the interpreter itself failed.
+        """
         try:
-            return self._outcome(recording_of(self.recording), parse(self.texts[0], self.filename))
+            return self._outcome(recording_of(self.recording), parse(self.texts[0], self.filename), also)
         except SessionTimeoutError as error:
             return RunOutcome(problem=f"It was ended after {self.limit:g} s of computing. {error}")
         except LRPSyntaxError as error:
@@ -84,22 +87,32 @@ class Rerun:
         limits = [part.time or 0.0 for part in self.expected.parts if part.kind == "reaches"]
         return max(limits + [task.seconds + 1 + task.hold for task in self.tasks.values()], default=0.0)
 
-    def _outcome(self, recording: Recording, program: Program) -> RunOutcome:
+    def _outcome(
+        self, recording: Recording, program: Program, also: Callable[[Session], object] | None
+    ) -> RunOutcome:
         if not (self.trusted or recording.is_own) and (code := _code_in(recording)):
             raise LRPError(
                 f"It contains `{code}`, an expression that you have not recorded here. Read it, then run it "
                 "once with `lrp replay FILE --trust`."
             )
-        with session_for(recording, program, self.namespace) as session:
+        with session_for(recording, program, self.namespace, remembers=also is not None) as session:
             watch = RunWatch(session, self.tasks)
-            drive_again(session, recording, self.limit, watch.tick)
+
+            def after_tick() -> bool:
+                if also is not None:
+                    also(session)
+                return watch.tick()
+
+            drive_again(session, recording, self.limit, after_tick)
             if recording.start.world is not None:  # a simulated robot can drive on
                 more = self._seconds - session.frame.time
-                session.run(max(0.0, more), limit=self.limit, after_tick=watch.tick)
+                session.run(max(0.0, more), limit=self.limit, after_tick=after_tick)
             return judged(recording, session, watch, self.expected)
 
 
-def session_for(recording: Recording, program: Program, namespace: Mapping[str, Any]) -> Session:
+def session_for(
+    recording: Recording, program: Program, namespace: Mapping[str, Any], remembers: bool = False
+) -> Session:
     """Return a session of a program as the recorded one was when it began."""
     start = recording.start
     session = Session(
@@ -111,7 +124,7 @@ def session_for(recording: Recording, program: Program, namespace: Mapping[str, 
         on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="run",
-        journal=max(recording.reach, TICKS) if recording.reach else 0,
+        journal=max(recording.reach, TICKS) if recording.reach or remembers else 0,
     )
     session._loop.is_copy = True
     session.open()

@@ -52,6 +52,7 @@ from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.views.shown_runs import ShownRuns
+from lrp_jupyter.widgets.views.shown_search import ShownSearch
 from lrp_jupyter.widgets.wire.changes import TextChanges
 from lrp_jupyter.widgets.wire.codec import DecodeError
 from lrp_jupyter.widgets.wire.packing import plain
@@ -84,6 +85,7 @@ class PageConnection:
         self.looking = Looking()
         self._beside = beside
         self.runs = ShownRuns(runs_folder(beside / session.name))
+        self.search = ShownSearch()
         self.log: FilePath | None = None  # that was named for the recording of its sessions
         self.options = dict(options or {})
         self._reopen = reopen
@@ -94,7 +96,9 @@ class PageConnection:
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
-        self._publisher = Publisher(session, saver, self.layouts, self.looking, self.runs, self.report, clock)
+        self._publisher = Publisher(
+            session, saver, self.layouts, self.looking, self.runs, self.search, self.report, clock
+        )
 
     @property
     def session(self) -> Session:
@@ -109,6 +113,11 @@ class PageConnection:
     @goal.setter
     def goal(self, goal: Goal | None) -> None:
         self._publisher.set_goal(goal)
+
+    @property
+    def offers_changes(self) -> bool:
+        """Whether changes are found for the program: in a challenge only if its teacher has them offered."""
+        return self._publisher.offers_changes
 
     # -- in: any thread ----------------------------------------------------------------------------
 
@@ -278,6 +287,7 @@ class PageConnection:
         if self.goal is not None:
             self.goal.close()
         self.runs.close()
+        self.search.stop()
         self.session.close()
         self._publisher.end()
         if self._worker is not None:

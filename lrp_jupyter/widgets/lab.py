@@ -13,7 +13,7 @@ import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
 from types import NoneType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, get_args
 from weakref import WeakValueDictionary
 
 import anywidget
@@ -22,7 +22,7 @@ from comm.base_comm import BaseComm
 from traitlets.utils.bunch import Bunch
 
 from lrp_jupyter import programs
-from lrp_jupyter.arguments import check_type
+from lrp_jupyter.arguments import check_choice, check_type
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.challenges import load as load_challenge
 from lrp_jupyter.interpreter.issues import Issue
@@ -39,7 +39,7 @@ from lrp_jupyter.widgets.text.kept import Version
 from lrp_jupyter.widgets.views.program_picture import bitmap, still
 from lrp_jupyter.widgets.wire.own_comm import OwnComm
 from lrp_jupyter.widgets.wire.packing import packed, unpacked
-from lrp_jupyter.widgets.wire.protocol import Edits, GraphMode, OnActiveEdit
+from lrp_jupyter.widgets.wire.protocol import Edits, GraphMode, Hints, OnActiveEdit
 
 _NAME = re.compile(r"[\w-]+")
 """The name of a program: no text is one word, because a program has parentheses."""
@@ -190,6 +190,9 @@ class Lab(Part):
         goal; without a text it begins with that of the challenge.
     edits, graph, quiet, lock : optional
         The conditions of a study, as in `set_conditions`; if none is given, they stay as they are.
+    hints : {"sentences", "changes"}
+        For a challenge: whether the lab only says what went wrong, or also finds the smallest changes with
+        which the program passes. That gives answers away; without a challenge it is always offered.
     runs : str or path, optional
         A folder of recordings that are run again after every edit, beside those in ``NAME.runs``.
     log : str or path, optional
@@ -233,6 +236,7 @@ class Lab(Part):
         graph: GraphMode | None = None,
         quiet: bool | None = None,
         lock: bool | None = None,
+        hints: Hints = "sentences",
         runs: str | os.PathLike[str] | None = None,
         log: str | os.PathLike[str] | None = None,
         **options: Any,
@@ -240,6 +244,7 @@ class Lab(Part):
         check_type("program", program, (str, Program, Session), "a text, a Program or a Session")
         task = load_challenge(challenge) if isinstance(challenge, str) else challenge
         check_type("challenge", task, (Challenge, NoneType), "a Challenge or its name")
+        check_choice("hints", hints, get_args(Hints))
         conditions = given(edits=edits, graph=graph, quiet=quiet, lock=lock)
         if isinstance(program, Session):
             if log is not None:
@@ -269,6 +274,7 @@ class Lab(Part):
             on_active_edit=on_active_edit,
             task=task,
             conditions=conditions,
+            hints=hints,
             runs=runs,
             log=log,
             **options,

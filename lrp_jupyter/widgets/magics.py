@@ -42,6 +42,9 @@ _HELP = """\
                       the conditions of a study: edits wait for Apply; the graph is drawn on request,
                       or not shown; nothing of the run is shown outside of it; the page cannot
                       change that. Naming one resets the others; naming none changes nothing
+       [--hints sentences|changes]
+                      in a challenge: whether the lab also finds the smallest changes with which the
+                      program passes, which gives answers away
        [--runs FOLDER]
                       recordings of that folder are run again after every edit, beside those in NAME.runs
        [--log FILE]   record the session, and what its user looks at, in a file of this computer
@@ -104,10 +107,11 @@ _VALUES = {
     "challenge": "square",
     "edits": "hold",
     "graph": "static",
+    "hints": "changes",
     "runs": "accidents",
     "log": "participant-07.lrplog",
 }
-_CHOICES = {**CHOICES, "on-active-edit": ("restart", "keep")}
+_CHOICES = {**CHOICES, "on-active-edit": ("restart", "keep"), "hints": ("sentences", "changes")}
 _SWITCHES = ("quiet", "lock")
 _OPTIONS = [f"--{name}" for name in (*_VALUES, *_SWITCHES)]
 

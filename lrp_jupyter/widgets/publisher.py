@@ -42,6 +42,7 @@ from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import Looking, MomentShown
 from lrp_jupyter.widgets.views.shown_runs import ShownRuns
+from lrp_jupyter.widgets.views.shown_search import ShownSearch
 from lrp_jupyter.widgets.views.view_state import ViewStates, difference, is_time, is_urgent
 from lrp_jupyter.widgets.views.world_state import WorldCursor
 from lrp_jupyter.widgets.wire.protocol import ViewState
@@ -208,6 +209,7 @@ class Publisher:
         layouts: Layouts,
         looking: Looking,
         runs: ShownRuns,
+        search: ShownSearch,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
@@ -216,6 +218,7 @@ class Publisher:
         self._layouts = layouts
         self._looking = looking
         self._runs = runs
+        self._search = search
         self._report = report
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
@@ -241,11 +244,19 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._saver, self._layouts, self._runs, self.goal)
+            self._view_states = ViewStates(
+                session, self._saver, self._layouts, self._runs, self._search, self.goal
+            )
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
             self._runs.attach(self.wake)
+            self._search.attach(self.wake)
             self.send_snapshots()
+
+    @property
+    def offers_changes(self) -> bool:
+        """Whether changes are found for the program."""
+        return self.goal is None or self.goal.offers_changes
 
     def set_goal(self, goal: Goal | None) -> None:
         """Show a challenge from now on."""
@@ -255,7 +266,9 @@ class Publisher:
             self.goal = goal
             if goal is not None:
                 goal.attach(self.session, self.wake)
-            self._view_states = ViewStates(self.session, self._saver, self._layouts, self._runs, goal)
+            self._view_states = ViewStates(
+                self.session, self._saver, self._layouts, self._runs, self._search, goal
+            )
             self.send_snapshots()
 
     def send_snapshots(self) -> None:

@@ -29,7 +29,7 @@ from lrp_jupyter.widgets.text.kept import checked_name
 from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Texts
 from lrp_jupyter.widgets.views.goal import Goal
-from lrp_jupyter.widgets.wire.protocol import OnActiveEdit
+from lrp_jupyter.widgets.wire.protocol import Hints, OnActiveEdit
 
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
@@ -116,6 +116,7 @@ def open_program(
     task: Challenge | None = None,
     conditions: Conditions | None = None,
     runs: str | os.PathLike[str] | None = None,
+    hints: Hints = "sentences",
     log: str | os.PathLike[str] | None = None,
     line: str = "",
     **options: Any,
@@ -131,6 +132,7 @@ def open_program(
     `task`: the challenge of the program: its first world is loaded, its goal shown.
     `conditions`: None: as before.
     `runs`: a folder of recordings that are run again with every new text, beside those in ``NAME.runs``.
+    `hints`: for a challenge; ``"changes"``: also the smallest changes with which a program passes it.
     `log`: the file in which the session is recorded; if it exists, the name gets a number.
     `line`: the first line of the cell, without ``%%lrp``; default: the arguments, as such a line has them.
     `options`: for the bridge: ``world="line"``.
@@ -180,7 +182,7 @@ def open_program(
     if conditions is not None:
         connection.texts.set_conditions(conditions)
     if task is not None and (connection.goal is None or connection.goal.task != task):
-        connection.goal = Goal(task)
+        connection.goal = Goal(task, hints)
     if text:
         connection.texts.line = line
         connection.texts.reconcile(text)

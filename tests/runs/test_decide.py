@@ -6,6 +6,7 @@ import pytest
 from live.test_recording import ROVER, Rover
 from runs.conftest import LAPS
 
+from lrp_jupyter import repair
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.language.parser import parse
@@ -196,3 +197,13 @@ def test_what_runs_have_reached_is_what_their_events_say(keep):
         assert (live.states["laps", "ahead"], live.conditions) == (7, coverage.conditions)
         session.edit(LAPS.replace("pace < 0", "pace < 1"))
         assert [each.label for each in session.coverage.undecided] == []
+
+
+def test_the_smallest_change_with_which_kept_runs_pass_is_found(keep):
+    folder = keep("wall").parent
+    slower = LAPS.replace("[0.3]", "[0.15]")
+    assert not decide(slower, folder)
+    found = repair(slower, runs=folder, progress=lambda done, of: None)
+    assert (found.passed, found.runs) == (0, 1)
+    assert "`pace` 0.3 instead of 0.15 (line 1) passes in 1 of 1 runs (now 0)." in str(found)
+    assert decide(found.repairs[0].text, folder)

@@ -21,6 +21,7 @@ from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.views.shown_runs import ShownRuns
+from lrp_jupyter.widgets.views.shown_search import ShownSearch
 from lrp_jupyter.widgets.wire.changes import Sections
 from lrp_jupyter.widgets.wire.codec import DecodeError, Fields, decode, fields_of
 from lrp_jupyter.widgets.wire.protocol import ElementKind, ViewState
@@ -37,6 +38,7 @@ class OpenProgram(Protocol):
     layouts: Layouts
     looking: Looking
     runs: ShownRuns
+    search: ShownSearch
 
     @property
     def session(self) -> Session:
@@ -45,6 +47,10 @@ class OpenProgram(Protocol):
     @property
     def goal(self) -> Goal | None:
         """The challenge that the program is written for."""
+
+    @property
+    def offers_changes(self) -> bool:
+        """Whether changes are found for the program, which gives answers away."""
 
     def view_state(self) -> ViewState:
         """Return everything that a view may show now."""

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Annotated
 
+from lrp_jupyter.errors import LRPError
 from lrp_jupyter.widgets.acts.messages import OpenProgram, act
 from lrp_jupyter.widgets.acts.program_acts import Applied
+from lrp_jupyter.widgets.wire.codec import Between
 
 
 @act(30.0)
@@ -54,3 +57,27 @@ def forget_run(opened: OpenProgram, name: str) -> None:
 def attach_runs(opened: OpenProgram, folder: str) -> None:
     """Show and run the recordings of another folder, too."""
     opened.runs.attach_folder(folder)
+
+
+# -- the smallest change ---------------------------------------------------------------------------------
+
+
+@act()
+def find_change(opened: OpenProgram) -> None:
+    """Search for the smallest change with which the program passes its challenge, and its kept runs."""
+    if not opened.offers_changes:
+        raise LRPError("This program is not written with the help of changes that are found for it.")
+    task = None if opened.goal is None else opened.goal.task
+    opened.search.begin(opened.session, opened.texts.text, task, opened.runs.all)
+
+
+@act()
+def stop_search(opened: OpenProgram) -> None:
+    """End the search, with what was found until then."""
+    opened.search.stop()
+
+
+@act()
+def take_change(opened: OpenProgram, index: Annotated[int, Between(0, 100)]) -> None:
+    """Write a change that was found into the text."""
+    opened.texts.write(opened.search.changed(opened.texts.text, index))

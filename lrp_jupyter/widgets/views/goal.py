@@ -29,7 +29,14 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, Solid, World, Zone
 from lrp_jupyter.sim.worlds import load
 from lrp_jupyter.widgets.views.shown_moment import Looking
-from lrp_jupyter.widgets.wire.protocol import AttemptView, CheckView, CriterionView, GoalView, OutlineView
+from lrp_jupyter.widgets.wire.protocol import (
+    AttemptView,
+    CheckView,
+    CriterionView,
+    GoalView,
+    Hints,
+    OutlineView,
+)
 
 _HOW = HowRun(limit=30)
 _STORING = 0.5  # s in which a browser stores the text, before a check that may not return
@@ -52,8 +59,10 @@ class _Check:
 class Goal:
     """The challenge of one open program."""
 
-    def __init__(self, task: Challenge) -> None:
+    def __init__(self, task: Challenge, hints: Hints = "sentences") -> None:
         self.task = task
+        self.offers_changes = hints == "changes" and not task.exam
+        """Whether changes are found with which a program passes."""
         self._worlds = [load(world) for world in task.worlds]
         self._outlines = [_outline(world) for world in self._worlds]
         self._world = 0

@@ -26,7 +26,7 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import begin_run, record_again, show_run
 from lrp_jupyter.runs.decide import decide
 from lrp_jupyter.runs.expectation import AS_RECORDED, expectation
-from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, named, remove, rename
+from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP, RunOutcome, StateEntered
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.wire.protocol import CoverageView, KeptRunView, OneWay, RunsView
@@ -59,6 +59,7 @@ class ShownRuns:
         self.attached = list(attached)
         self._lock = threading.Condition()  # of everything below
         self._runs: tuple[KeptRun, ...] = ()
+        self._by_name: dict[str, KeptRun] = {}  # as they are shown
         self._outcomes: dict[Path, RunOutcome] = {}
         self._decided: set[Path] = set()  # those of which the outcome is that of the wanted program
         self._views: dict[Path, tuple[object, KeptRunView]] = {}  # and of what each was made
@@ -99,7 +100,7 @@ class ShownRuns:
             return {
                 "folder": self.folder.name,
                 "attached": [shown(each) for each in self.attached],
-                "names": [run.name for run in self._runs],
+                "names": [*self._by_name],
                 "waiting": len(self._runs) - len(self._decided),
                 "expected": f"meets {challenge}" if challenge else AS_RECORDED,
                 "keeps": unkept(session._loop),
@@ -110,7 +111,7 @@ class ShownRuns:
     def kept(self) -> dict[str, KeptRunView]:
         """Return what is shown of each run."""
         with self._lock:
-            return {run.name: self._run_view(run) for run in self._runs}
+            return {name: self._run_view(run) for name, run in self._by_name.items()}
 
     def _run_view(self, run: KeptRun) -> KeptRunView:
         """Return what is shown of a run: the same object as long as it is the same."""
@@ -164,7 +165,12 @@ class ShownRuns:
         """Look which runs there are now."""
         found = kept_runs([each for each in (self.folder, *self.attached) if each.exists()])
         with self._lock:
-            self._runs = found
+            self._runs, self._by_name = found, {}
+            for run in found:
+                name = run.name
+                while name in self._by_name:  # in another folder
+                    name = f"{name} ({run.file.parent.name})"
+                self._by_name[name] = run
 
     def _decide(self, session: Session, program: Program, number: int, halt: Halt) -> None:
         if not program.text:
@@ -193,7 +199,15 @@ class ShownRuns:
 
     def _named(self, name: str) -> KeptRun:
         with self._lock:
-            return named(self._runs, name)
+            if name not in self._by_name:
+                raise LRPError(f"There is no run `{name}` any more.")
+            return self._by_name[name]
+
+    @property
+    def all(self) -> tuple[KeptRun, ...]:
+        """The runs."""
+        with self._lock:
+            return self._runs
 
     def keep(self, session: Session, name: str, expected: str) -> None:
         """Keep the present run."""

@@ -37,6 +37,7 @@ from lrp_jupyter.widgets.views.instances import Instances
 from lrp_jupyter.widgets.views.layouts import Layouts
 from lrp_jupyter.widgets.views.shown_moment import MomentShown
 from lrp_jupyter.widgets.views.shown_runs import ShownRuns
+from lrp_jupyter.widgets.views.shown_search import ShownSearch
 from lrp_jupyter.widgets.wire.packing import as_fields
 from lrp_jupyter.widgets.wire.page_places import id_of, offset_of, range_of
 from lrp_jupyter.widgets.wire.protocol import (
@@ -68,10 +69,17 @@ class ViewStates:
     """Creates the view states of one session. Used by one thread at a time."""
 
     def __init__(
-        self, session: Session, saver: Saver, layouts: Layouts, runs: ShownRuns, goal: Goal | None = None
+        self,
+        session: Session,
+        saver: Saver,
+        layouts: Layouts,
+        runs: ShownRuns,
+        search: ShownSearch,
+        goal: Goal | None = None,
     ) -> None:
         self._goal = goal
         self._runs = runs
+        self._search = search
         self._session = session
         self._texts = saver.texts
         self._saver = saver
@@ -169,7 +177,13 @@ class ViewStates:
             "attempts": {} if self._goal is None else self._goal.attempts(),
             "runs": self._runs.view(session, "" if self._goal is None else self._goal.task.name),
             "kept_runs": self._runs.kept(),
+            "search": self._search.view(texts.text) if self._offers_changes else None,
         }
+
+    @property
+    def _offers_changes(self) -> bool:
+        is_alone = self._session.driver != "asyncio"  # there are other processes
+        return is_alone and (self._goal is None or self._goal.offers_changes)
 
     def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:
         more, self._restarted = frame.restarts - self._restarted, frame.restarts

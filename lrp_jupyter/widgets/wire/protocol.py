@@ -69,6 +69,7 @@ from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.wire.changes import Sections
 
 OnActiveEdit = Literal["restart", "keep"]
+Hints = Literal["sentences", "changes"]
 Edits = Literal["live", "hold"]
 GraphMode = Literal["live", "static", "hidden"]
 CriterionState = Literal["open", "so far", "met", "failed"]
@@ -483,6 +484,27 @@ class RunsView(TypedDict):
     error: str  # why the runs cannot be shown or run again
 
 
+class FoundChangeView(TypedDict):
+    """A small change of the program with which it passes more runs."""
+
+    sentence: str
+    line: int  # from 1
+    passed: int
+    runs: int
+
+
+class SearchView(TypedDict):
+    """The search for the smallest change with which the program passes its challenge, and its kept runs."""
+
+    busy: bool
+    made: int  # runs
+    planned: int  # runs so far
+    answer: str  # what was found, in sentences; empty before the end
+    changes: list[FoundChangeView]  # the best one first
+    stale: bool  # the text has changed since
+    error: str  # why the search has ended without a result
+
+
 class ChoicesView(TypedDict):
     """Names of the bridges, of worlds (bundled ones and files), of the bundled programs."""
 
@@ -540,6 +562,7 @@ class ViewState(TypedDict):
     attempts: dict[str, AttemptView]  # by the number of a run of the check
     runs: RunsView | None  # None where there are none, as in the page of a lesson
     kept_runs: dict[str, KeptRunView]  # by name
+    search: SearchView | None  # None where it is not offered: it gives answers away
 
 
 class FrameMessage(ViewState, total=False):
