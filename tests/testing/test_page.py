@@ -52,7 +52,7 @@ def test_the_runs_are_decided_about_as_the_page_shows(tmp_path, monkeypatch, cap
             session.run(20)
             session.keep(name)
     Path("guard.runs", "expected.toml").write_text(EXPECTED, encoding="utf-8")
-    Path("guard.lrp").write_text(PROGRAM.replace("[0.4]", "[0.25]"), encoding="utf-8")
+    Path("guard.lrp").write_text(PROGRAM.replace("[0.4]", "[0.7]"), encoding="utf-8")
     assert decide_runs("guard.lrp", [], HowRun(), coverage=False, junit=None, trusted=False) == 1
     assert capsys.readouterr().out == DECIDED
 
