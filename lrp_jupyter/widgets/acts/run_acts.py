@@ -66,7 +66,7 @@ def attach_runs(opened: OpenProgram, folder: str) -> None:
 def find_change(opened: OpenProgram) -> None:
     """Search for the smallest change with which the program passes its challenge, and its kept runs."""
     if not opened.offers_changes:
-        raise LRPError("This program is not written with the help of changes that are found for it.")
+        raise LRPError("This challenge is solved without the help of changes that are found for it.")
     task = None if opened.goal is None else opened.goal.task
     opened.search.begin(opened.session, opened.texts.text, task, opened.runs.all)
 
