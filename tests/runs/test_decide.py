@@ -1,6 +1,7 @@
 """Kept runs are run again with another text, and judged by what is expected of each."""
 
 import json
+from threading import Event
 
 import pytest
 from live.test_recording import ROVER, Rover
@@ -19,6 +20,7 @@ from lrp_jupyter.runs.decide import decide
 from lrp_jupyter.runs.expectation import expectation
 from lrp_jupyter.runs.kept_runs import expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP
+from lrp_jupyter.widgets import registry
 
 
 @pytest.mark.parametrize(
@@ -207,3 +209,26 @@ def test_the_smallest_change_with_which_kept_runs_pass_is_found(keep):
     assert (found.passed, found.runs) == (0, 1)
     assert "`pace` 0.3 instead of 0.15 (line 1) passes in 1 of 1 runs (now 0)." in str(found)
     assert decide(found.repairs[0].text, folder)
+
+
+def test_the_run_of_a_real_robot_is_shown_by_one_that_repeats_its_readings(keep, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LRP_KEEP", "nothing")
+    keep("drive", text=ROVER, bridge=Rover, act=lambda session: session.bridge.arm(), seconds=2)
+    other, news = ROVER.replace("< 1", "< 1.5"), Event()
+    connection = registry.open_program("laps", other, "none")
+    try:
+        connection.runs.attach(news.set)
+        while connection.runs.view(connection.session)["coverage"] is None:
+            assert news.wait(60)
+            news.clear()
+        shown = connection.runs.kept()["drive"]
+        assert (shown["open_loop"], shown["differs"][0]) == (OPEN_LOOP, 0.6)
+        connection.runs.show(connection, "drive")
+        session = connection.session
+        looked_at = connection.looking.shown(session).frame
+        assert session.bridge.name == "recorded"
+        assert looked_at.active == (("m", "stop"),)
+        assert "`robot.range` was 1.4" in str(session.why_not("near", at=looked_at.tick))
+    finally:
+        registry.forget(connection)
