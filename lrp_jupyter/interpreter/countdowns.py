@@ -5,6 +5,8 @@ Paper: §3.1 (timeouts).
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
@@ -46,4 +48,4 @@ def countdowns(
             continue
         amount = value(delay.amount) if isinstance(delay.amount, Name) else delay.amount
         if isinstance(amount, int | float) and not isinstance(amount, bool) and amount > 0:
-            yield (*path, name), Countdown(since, float(amount))
+            yield (*path, name), Countdown(since, float(amount) if amount <= sys.float_info.max else math.inf)

@@ -90,6 +90,12 @@ def test_a_witness_does_what_the_program_does(name):
     assert (witness.path, witness.seconds) == (plain.path, plain.seconds)
 
 
+def test_a_delay_that_grows_beyond_all_numbers_of_a_clock_is_never_over():
+    text = "(var t := [10 ** 400]) (machine m (state a) (state b) (ontime t a -> b)) (spawn m a)"
+    made = attempt(jobs_of(text, "first move", 1)[1][0])
+    assert (made.ended, made.passed) == ("", False)
+
+
 NOTHING = {"used": [], "compared": {}, "fired": [], "stayed": [], "ended": ""}
 
 
