@@ -139,6 +139,7 @@ class Run:
     def begin(self) -> None:
         """Start the program: initialise the globals."""
         self.started = True
+        self.before, self.ended = self.now, (-1, 0.0)  # what was before is no part of this run
         self.log_attributes(self.globals, "own", "visible", "entered")
         self.globals.entered = self.now
         self.emit("started", ())

@@ -62,7 +62,7 @@ class Recorder(Trace):
         self._members = [] if start is None else start.members  # as they were written last
         self._code = None if start is None else RecordedCode()
         ticks, seconds = loop.interpreter.tick, loop.timing.now
-        self._before = (ticks, seconds) if start is not None and ticks else None  # what is not recorded
+        self._before = (ticks, seconds) if start is not None and ticks else (0, 0.0)  # what is not recorded
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
             self.line({"lrplog": VERSION, **parts})
@@ -72,9 +72,6 @@ class Recorder(Trace):
 
     def line(self, entry: Mapping[str, Any]) -> None:
         """Write a line; register its code as this user's own."""
-        if self._before is not None and "tick" in entry:
-            ticks, seconds = self._before
-            entry = {**entry, "tick": entry["tick"] - ticks, "time": round(entry["time"] - seconds, 9)}
         super().line(entry)
         if self._code is not None:
             self._code.note(entry)
@@ -92,7 +89,13 @@ class Recorder(Trace):
 
     def __call__(self, event: TraceEvent) -> None:
         """Write one event."""
-        self._keep(lambda: as_dict(event))
+        tick, now = self._since(event.tick, event.now)
+        self._keep(lambda: as_dict(event._replace(tick=tick, now=now)))
+
+    def _since(self, tick: int, time: float) -> tuple[int, float]:
+        """Return a tick and a time of the run as they are counted in the recording."""
+        ticks, seconds = self._before
+        return tick - ticks, round(time - seconds, 12) if ticks else time
 
     @property
     def _wall(self) -> float:
@@ -102,7 +105,8 @@ class Recorder(Trace):
     def look(self, what: str, about: str, on: bool) -> None:
         """Store what a person looks at, to be written later. From any thread."""
         loop = self._loop
-        self._looks.append(Look(loop.interpreter.tick, loop.timing.now, self._wall, what, about, on))
+        when = self._since(loop.interpreter.tick, loop.timing.now)
+        self._looks.append(Look(*when, self._wall, what, about, on))
 
     def write_looks(self) -> None:
         """Write the stored looks."""
@@ -112,8 +116,8 @@ class Recorder(Trace):
     def _input(self, entry: Input) -> None:
         self._write_members(entry.tick, entry.time)
         wall = {"wall": self._wall} if self._looking else {}
-        when = {"tick": entry.tick, "time": entry.time, **wall}
-        self._keep(lambda: {**when, **input_line(entry.what, self._loop)})
+        tick, time = self._since(entry.tick, entry.time)
+        self._keep(lambda: {"tick": tick, "time": time, **wall, **input_line(entry.what, self._loop)})
 
     def _tick(self) -> None:
         self._write_members(self._loop.interpreter.tick - 1, self._loop.record.moments[-1].time)
@@ -127,6 +131,7 @@ class Recorder(Trace):
         self._table, before, self._members = table, self._members, described_members(bridge)
         if self._members != before:
             changed = MembersChanged(tuple(self._members))
+            tick, time = self._since(tick, time)
             self._keep(lambda: {"tick": tick, "time": time, **input_line(changed, self._loop)})
 
     def _readings(self) -> Line:
@@ -136,8 +141,9 @@ class Recorder(Trace):
             nodes = [node for node in bridge.nodes.members() if isinstance(node, RobotVariable)]
             known = {node.path: known[node.path] for node in nodes if node.path in known and not node.of}
         readings = {name: plain(value) for name, value in known.items()}
-        time = record.moments[-1].time
-        return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings, **self._clock(time)}
+        now = record.moments[-1].time
+        tick, time = self._since(self._loop.interpreter.tick, now)
+        return {"tick": tick, "time": time, "readings": readings, **self._clock(now)}
 
     def _clock(self, time: float) -> Line:
         """Return what the robot's clock showed at a time of the run, if that does not follow from before."""

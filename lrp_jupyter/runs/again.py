@@ -22,7 +22,9 @@ _LIMIT = 10.0  # s of computing
 
 
 def begin_run(session: Session) -> None:
-    """Put the world back to its start, and the program, too; both go on when the session does.
+    """Put the world back to its start, and the program, too, without the issues of the run before.
+
+    Both go on when the session does.
 
     Raises
     ------
@@ -31,6 +33,7 @@ def begin_run(session: Session) -> None:
     """
     session.pause()
     session.reset()
+    session.clear_issues()
     if isinstance(session.bridge, SimBridge):
         session.bridge.reset_world()
         session.call(session._loop.settle)  # at once

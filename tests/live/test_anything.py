@@ -96,9 +96,6 @@ class Anything(RuleBasedStateMachine):
         self.reference = (
             Reference(program, self.session.bridge.robot, self.session.namespace) if known else None
         )
-        last = self.frames.get(self.session.interpreter.tick)
-        if self.reference is not None and last is not None:
-            self.reference.now = last[3]  # what `dt` counts from in the first tick after a reset
 
     def follow(self):
         """After a tick: the reference does the same, and the moment is remembered."""

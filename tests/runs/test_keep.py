@@ -58,6 +58,53 @@ def test_a_kept_run_is_the_same_again_whatever_was_done_in_it_and_wherever_it_be
         assert again.session.bridge.pose == session.bridge.pose
 
 
+FAILING = """(var sum := [0])
+(machine m (state a (running [sum += dt] [sum / 0])) (state b) (ontime 1000 a -> b) (ontime 1000 b -> a))
+(spawn m a)"""
+
+
+@pytest.mark.parametrize("policy", ["record", "pause"])
+@pytest.mark.parametrize("begins", [begin_run, lambda session: session.reset()])
+@pytest.mark.parametrize("rate", [10, 7])
+def test_a_run_that_begins_again_is_as_if_it_were_the_first(tmp_path, rate, begins, policy):
+    with Session(FAILING, clock=VirtualClock(), rate=rate, on_issue=policy) as session:
+        for _ in range(3):  # at the issue, a run pauses once
+            session.run(2.3)
+        begins(session)
+        session.run(4)
+        session.resume()
+        session.run(0.35)
+        file = session.keep(folder=tmp_path)
+        again = reproduce(read_recording(file))
+        assert again.difference is None
+        assert again.session.frame.values == session.frame.values
+    if (rate, policy) == (10, "record"):  # where it ticks at the same times
+        with Session(FAILING, clock=VirtualClock()) as first:
+            first.run(4.35)
+            new = read_recording(first.keep(folder=tmp_path))
+        assert read_recording(file).followed == new.followed
+
+
+def test_a_run_is_kept_up_to_now_also_while_it_goes_on(tmp_path):
+    with Session(LAPS, "sim", VirtualClock(), world="line") as session:
+        session.run(3)
+        session.resume()  # so that the end of `run` is no rest
+        session.run(0.95)
+        recording = read_recording(session.keep(folder=tmp_path))
+        assert recording.seconds == session.frame.time == 3.95
+        assert reproduce(recording).session.bridge.pose == session.bridge.pose
+
+
+def test_a_run_that_cannot_be_repeated_because_one_went_back_says_so(tmp_path):
+    text = "(var seen := [[]]) (machine m (state a (running [seen.append(1)]))) (spawn m a)"
+    with Session(text, clock=VirtualClock()) as session:
+        session.run(2)
+        session.rewind(5)
+        session.run(1)
+        with pytest.raises(ValueError, match="^This run cannot be kept: you went back in it, and `seen` was"):
+            session.keep(folder=tmp_path)
+
+
 def test_runs_are_kept_beside_the_program_and_none_is_overwritten(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with Session(LAPS, "sim", VirtualClock(), name="laps") as session:

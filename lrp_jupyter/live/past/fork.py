@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType, ModuleType
 from typing import Any, NamedTuple
 
@@ -24,10 +25,12 @@ from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.bridges.tasks import TasksMoment
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.past.leftovers import differ
 from lrp_jupyter.live.past.replay import Entry, Ticked, merged
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
+from lrp_jupyter.live.running.inputs import EndRun, Input
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.running.notebook_names import ChangeNames, random_module, with_modules
 
@@ -56,7 +59,10 @@ def run_start(loop: Loop) -> ForkStart:
     begun, reason = loop.record.begun, unkept(loop)
     if begun is None or reason:
         raise ValueError(reason)
-    return _start_from(loop, begun, loop.interpreter.tick)
+    new = replace(begun.snapshot, issues=IssueLog(), unmeant=None)  # those of an earlier run are not its own
+    tick = loop.interpreter.tick
+    start = _start_from(loop, begun._replace(snapshot=new), tick)
+    return start._replace(later=(*start.later, Input(0, tick, loop.timing.now, EndRun())))
 
 
 def unkept(loop: Loop) -> str:
@@ -68,7 +74,8 @@ def unkept(loop: Loop) -> str:
         return "This run did not begin at the start of the world. Begin a new run, which can be kept."
     if begun.tick < loop.interpreter.tick - len(record.moments) or begun.inputs < record.inputs.lost:
         ago = loop.timing.now - begun.time
-        return f"This run began {ago / 60:.0f} minutes ago, and is no longer remembered. Begin a new run."
+        many = f"{ago:.0f} s" if ago < 90 else f"{ago / 60:.0f} minutes"
+        return f"This run began {many} ago, which is no longer remembered. Begin a new run."
     return "" if begun.tick < loop.interpreter.tick else "This run has just begun: no tick has run yet."
 
 

@@ -31,6 +31,20 @@ from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.stored.json_values import unplain
 
 
+class WentBack(ValueError):
+    """What came after a tick cannot be repeated from an earlier one: the session went back to it.
+
+    `left`: what was no longer as before.
+    """
+
+    def __init__(self, tick: int, left: str) -> None:
+        super().__init__(
+            f"What came after tick {tick} cannot be repeated from an earlier tick: the session went back to "
+            f"it, and {left} was no longer as before. Begin at tick {tick} or later."
+        )
+        self.left = left
+
+
 class Ticked(NamedTuple):
     """A tick of a recorded run, with the values that were read if the robot cannot be reproduced."""
 
@@ -121,14 +135,11 @@ def _apply(loop: Loop, what: object) -> None:
 
 
 def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
-    """Raise ValueError if undone ticks left an effect behind: the run continued from another state."""
+    """Raise WentBack if undone ticks left an effect behind: the run continued from another state."""
     world = loop.bridge.simulated
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
     if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
-        raise ValueError(
-            f"What came after tick {checkpoint.tick} cannot be repeated from an earlier tick: the session "
-            f"went back to it, and {left} was no longer as before. Begin at tick {checkpoint.tick} or later."
-        )
+        raise WentBack(checkpoint.tick, left)
 
 
 def tested_again(
