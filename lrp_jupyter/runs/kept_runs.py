@@ -102,9 +102,14 @@ def expect(run: KeptRun, line: str) -> KeptRun:
 def _write(folder: Path, lines: dict[str, str]) -> None:
     """Write what is expected of the runs in a folder, but for what is the default."""
     kept = {name: line for name, line in sorted(lines.items()) if line != AS_RECORDED}
-    quoted = [f"{json.dumps(name)} = {json.dumps(line, ensure_ascii=False)}\n" for name, line in kept.items()]
+    quoted = [f"{_quoted(name)} = {_quoted(line)}\n" for name, line in kept.items()]
     if quoted or (folder / EXPECTED).exists():
         write_file(folder / EXPECTED, _HEAD + "".join(quoted))
+
+
+def _quoted(text: str) -> str:
+    """Return a text as TOML writes it, which differs from JSON in one character."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
 
 
 def rename(run: KeptRun, name: str) -> KeptRun:

@@ -13,17 +13,19 @@ from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
 from lrp_jupyter.grading.attempt import Ended
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.interpreter.journal import TICKS
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.past.fork import private_namespace
 from lrp_jupyter.live.past.replay import Entry, play, without_edits
-from lrp_jupyter.live.recording import Recording, random_of, recording_of
+from lrp_jupyter.live.recording import Recording, RunStart, random_of, recording_of
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.inputs import Input
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.expectation import Expectation
 from lrp_jupyter.runs.outcome import RunOutcome
+from lrp_jupyter.runs.renamed import path_now, renamed
 from lrp_jupyter.runs.verdicts import RunWatch, judged
 
 
@@ -125,10 +127,16 @@ def session_for(
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="run",
         journal=max(recording.reach, TICKS) if recording.reach or remembers else 0,
+        start=_start_in(program, start),
     )
     session._loop.is_copy = True
     session.open()
     return session
+
+
+def _start_in(program: Program, start: RunStart) -> Path | None:
+    """Return the machine or state that was started alone, under its present name; None if none was."""
+    return path_now(as_path(start.start), renamed(parse(start.text), program)) if start.start else None
 
 
 def drive_again(

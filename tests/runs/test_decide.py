@@ -142,6 +142,29 @@ def test_an_expression_in_a_strangers_recording_runs_only_if_trusted(keep, tmp_p
     assert mark.exists()
 
 
+NESTED = """(machine arm
+  (state idle)
+  (state want
+    (onentry (spawn hand open))
+    (machine hand (state open) (state shut) (ontime 500 open -> shut)))
+  (ontime 900 idle -> want))
+(spawn arm idle)"""
+
+
+def test_a_run_of_a_machine_that_was_started_alone_is_run_again_alone(keep):
+    file = keep(text=NESTED, bridge="none", seconds=2, start="arm/want/hand")
+    assert decide(NESTED, [file])
+    assert decide(NESTED.replace("hand", "claw"), [file])  # renamed
+    (outcome,) = decide(NESTED.replace("(spawn hand open)", "[0]"), [file]).outcomes.values()
+    assert "`arm/want/hand` (line 5) is never spawned." in outcome.reason
+
+
+@pytest.mark.parametrize("name", ["a 'quoted' run", "ü", "\N{ROBOT FACE}", "a\x7fb", "a\u2028b"])
+def test_what_is_expected_of_a_run_of_any_name_can_be_read_again(keep, name):
+    run = expect(kept_runs(keep(name, seconds=1))[0], "reaches away")
+    assert kept_runs(run.file.parent) == (run,)
+
+
 def test_a_run_has_another_name_is_recorded_again_or_is_removed_and_nothing_is_lost(keep):
     file, other = keep("one"), keep("two")
     expect(kept_runs(file)[0], "reaches away")
