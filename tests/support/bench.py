@@ -120,12 +120,13 @@ class Page:
         return next(frame[field] for frame in reversed(self.frames()) if field in frame)
 
     def merged(self, field):
-        """Return a field of the view state, merged from all frames as the page does."""
+        """Return a field of the view state, merged from all frames as the page does; null is nothing."""
         value = None
         for frame in self.frames():
             new = frame.get(field, value)
-            if isinstance(new, dict) and isinstance(value, dict) and field in frame:
-                new = {name: entry for name, entry in {**value, **new}.items() if entry is not None}
+            if isinstance(new, dict) and field in frame:
+                known = value if isinstance(value, dict) else {}
+                new = {name: entry for name, entry in {**known, **new}.items() if entry is not None}
             value = new
         return value
 
