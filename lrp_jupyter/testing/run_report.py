@@ -41,7 +41,8 @@ def report(session: Session) -> str:
 def _lines(session: Session, loop: Loop) -> Iterator[str]:
     frame = session.frame
     active = listed([f"`{path_text(path)}`" for path in frame.active] or ["nothing"], "and")
-    yield f"At {time_text(frame.time)}, after {frame.tick} ticks, {active} was active."
+    are = "were" if len(frame.active) > 1 else "was"
+    yield f"At {time_text(frame.time)}, after {frame.tick} ticks, {active} {are} active."
     run = RecordedRun(loop, partial(test_again, session))
     ticks = run.history.ticks
     fired = [(when, fact) for when, fact in run.history.told() if isinstance(fact, Fired)]
