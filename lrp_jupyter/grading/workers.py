@@ -19,7 +19,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, InvalidStateError, ThreadPoolExecutor, wait
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
@@ -265,6 +265,7 @@ class _Processors:
         self.size, self._sandbox = size, sandbox
         self._pool = ThreadPoolExecutor(size, "lrp grading")
         self._busy: set[_Worker] = set()
+        self._lock = threading.Lock()  # of those: no other crew has a worker that this one abandons
         self._is_closed = False
 
     def submit(self, request: Request) -> Future[Ending]:
@@ -280,11 +281,13 @@ class _Processors:
             worker = idle.pop()
         except IndexError:
             worker = _Worker(self._sandbox)
-        self._busy.add(worker)
+        with self._lock:
+            self._busy.add(worker)
         try:
-            return LOST if self._is_closed else worker.ask(request)
+            return worker.ask(request, lambda: not self._is_closed)
         finally:
-            self._busy.discard(worker)
+            with self._lock:
+                self._busy.discard(worker)
             if worker.is_spent:
                 worker.close()
             else:
@@ -295,8 +298,9 @@ class _Processors:
 
     def close(self) -> None:
         self._is_closed = True
-        for worker in self._busy.copy():
-            worker.abandon()
+        with self._lock:
+            for worker in self._busy:
+                worker.abandon()
         self._pool.shutdown()
 
 
@@ -356,9 +360,10 @@ class _Worker:
         assert self.process.stderr
         self._pipes = self.process.stdin, self.process.stdout, self.process.stderr
         self._is_ready = self.is_spent = False
+        self._writing = threading.Lock()
 
-    def ask(self, request: Request) -> Ending:
-        """Have a run made.
+    def ask(self, request: Request, is_needed: Callable[[], bool]) -> Ending:
+        """Have a run made, unless it is not needed any more when the worker is ready.
 
         Raises LRPError: the worker does not start.
         """
@@ -367,8 +372,12 @@ class _Worker:
         self._begin()
         # an OSError: it has ended; a ValueError: it was closed
         with self._at_most(patience(request.limit)) as is_late, suppress(OSError, ValueError):
-            requests.write(sent(request))
-            requests.flush()
+            with self._writing:
+                if not is_needed():
+                    self.is_spent = False
+                    return LOST
+                requests.write(sent(request))
+                requests.flush()
             line = endings.readline(8 * LARGEST)  # of which a character may need six
         if not FORKS:
             return Ending(None if is_late.is_set() else self._code(), line.decode(errors="replace"))
@@ -411,7 +420,7 @@ class _Worker:
         if not FORKS:
             self._kill()
             return
-        with suppress(OSError, ValueError):  # it has ended, or was closed
+        with self._writing, suppress(OSError, ValueError):  # it has ended, or was closed
             self._pipes[0].write(framed(NOTHING))
             self._pipes[0].flush()
 
