@@ -393,7 +393,9 @@ def examples(
     coverage: Annotated[bool, Option("--coverage", help="Print what of the program no run reaches.")] = False,
     junit: Annotated[Path | None, Option(metavar="FILE.xml", help="Write results for a CI service.")] = None,
     limit: Annotated[float, Option(metavar="SECONDS", min=0.1, max=1e5, help="Of computing for each.")] = 60,
-    trust: Trusted = False,
+    trust: Annotated[
+        bool, Option("--trust", help="Evaluate the expressions in recordings that you have not made.")
+    ] = False,
 ) -> None:
     """Run the kept runs of a program again, and judge each by what is expected of it.
 

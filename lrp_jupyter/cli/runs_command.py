@@ -12,7 +12,7 @@ from lrp_jupyter.cli.console import plain_console
 from lrp_jupyter.cli.excerpt import print_findings
 from lrp_jupyter.cli.program_source import read_source
 from lrp_jupyter.cli.run_options import check_outputs
-from lrp_jupyter.errors import FileError
+from lrp_jupyter.errors import FileError, printable
 from lrp_jupyter.files import shown, write_file
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.language.parser import scan
@@ -56,6 +56,8 @@ def decide_runs(
 
 
 def _beside(name: str) -> Path:
+    if name == "-":
+        raise FileError("No runs are kept beside the standard input. Name a folder of runs, or recordings.")
     folder = runs_folder(name)
     if not folder.is_dir():
         raise FileError(
@@ -66,15 +68,16 @@ def _beside(name: str) -> Path:
 
 
 def _junit(name: str, decisions: Decisions) -> str:
-    """Return what CI services read: a suite of tests, in XML."""
+    """Return what CI services read: a suite of tests, in XML, which holds no control characters."""
     made = decisions.outcomes
     failed = sum(not outcome.passed for outcome in made.values())
     suite = ElementTree.Element("testsuite", name=name, tests=str(len(made)), failures=str(failed))
     for run, outcome in made.items():
-        seconds = f"{outcome.seconds:g}"
-        case = ElementTree.SubElement(suite, "testcase", name=run.name, classname=name, time=seconds)
+        about = {"name": printable(run.name), "classname": name, "time": f"{outcome.seconds:g}"}
+        case = ElementTree.SubElement(suite, "testcase", about)
         if not outcome.passed:
-            failure = ElementTree.SubElement(case, "failure", message=outcome.reason)
-            failure.text = "\n".join(f"{each.part}: {each.reason}" for each in outcome.found)
+            failure = ElementTree.SubElement(case, "failure", message=printable(outcome.reason, "\n"))
+            found = "\n".join(f"{each.part}: {each.reason}" for each in outcome.found)
+            failure.text = printable(found, "\n")
     ElementTree.indent(suite)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.errors import LRPError, printable, sentence_of
 from lrp_jupyter.grading.grade import text_of
 from lrp_jupyter.grading.workers import Halt, HowRun, run_jobs
 from lrp_jupyter.language.parser import parse
@@ -69,7 +69,8 @@ def line_of(run: KeptRun, outcome: RunOutcome) -> str:
     """Return what came of a run, in a line, or two if it is an open loop."""
     mark = "✓" if outcome.passed else "✗"
     reason = f": {outcome.reason}" if outcome.reason else ""
-    line = f"{mark} {run.name} ({outcome.seconds:.1f} s, {run.expected}){reason}"
+    length = "" if outcome.problem else f"{outcome.seconds:.1f} s, "
+    line = f"{mark} {printable(run.name)} ({length}{run.expected}){reason}"
     return line if outcome.open_loop is None else f"{line}\n  {OPEN_LOOP}"
 
 
