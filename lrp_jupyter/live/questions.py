@@ -34,7 +34,7 @@ from lrp_jupyter.live.past.fork import (
 )
 from lrp_jupyter.live.past.past_frames import animation_of, frame_at, tick_of
 from lrp_jupyter.live.past.plots import Plot, plotting_named
-from lrp_jupyter.live.past.replay import Entry, Ticked, WentBack, repeat, tested_again, without_edits
+from lrp_jupyter.live.past.replay import Entry, Ticked, WentBackError, repeat, tested_again, without_edits
 from lrp_jupyter.live.past.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.past.trials import Trial, Trials
 from lrp_jupyter.live.past.what_if import Course, Observation, WhatIf, divergence
@@ -140,7 +140,7 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
         with open_log(path) as stream, _forked(session, start, record) as copy:
             _repeat(copy, start.later)  # what was done after the last tick
             recorders[0].end()
-    except WentBack as error:
+    except WentBackError as error:
         path.unlink(missing_ok=True)
         raise ValueError(
             f"This run cannot be kept: you went back in it, and {error.left} was no longer as it had been "
@@ -323,7 +323,7 @@ def _repeat(copy: Runner, entries: Iterable[Entry]) -> None:
                     break
     except SessionTimeoutError:
         raise SessionTimeoutError(f"{what} cannot be repeated: a block did not return.") from None
-    except WentBack:
+    except WentBackError:
         raise
     except Exception as error:
         raise ValueError(f"{what} cannot be repeated: {sentence_of(error)}") from error

@@ -10,13 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import unwritable
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.recorder import Recorder, start_of
-from lrp_jupyter.live.recording import Recording, random_of, recording_of
+from lrp_jupyter.live.recording import Recording, RunStart, random_of, recording_of
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import open_log
-from lrp_jupyter.runs.rerun import drive_again, session_for
+from lrp_jupyter.runs.rerun import check_own, drive_again, session_for
 
 _LIMIT = 10.0  # s of computing
 
@@ -48,7 +50,11 @@ def show_run(session: Session, recording: Recording) -> float:
     ------
     SessionTimeoutError
         A block does not return.
+    LRPError
+        It contains an expression that someone else may have recorded, or did not begin as the program does.
     """
+    check_own(recording)
+    _check_beginning(session, recording.start)
     session.pause()
     bridge, start, world = session.bridge, recording.start, recording.start.world
     if isinstance(bridge, SimBridge) and world is not None:
@@ -56,6 +62,21 @@ def show_run(session: Session, recording: Recording) -> float:
     session.reset()
     random.setstate(random_of(start.random).getstate())
     return drive_again(session, recording, _LIMIT)
+
+
+def _check_beginning(session: Session, start: RunStart) -> None:
+    """Raise LRPError if a run began with something else than the program of a session does."""
+    if start.start != path_text(session.interpreter.start or ()):
+        raise LRPError(
+            f"The run began with `{start.start}` alone, and the program here begins with all that it spawns. "
+            "It cannot be shown here."
+            if start.start
+            else "The run began with all that its program spawns, and here one machine is started alone. It "
+            "cannot be shown here."
+        )
+    if start.initials and start.program(session.program) != session.program:
+        given = ", ".join(f"`(var {name} := [{value}])`" for name, value in start.initials.items())
+        raise LRPError(f"The run began with {given}. Write that into the program to look at the run.")
 
 
 def record_again(file: Path, text: str, namespace: Mapping[str, Any]) -> None:
@@ -67,12 +88,16 @@ def record_again(file: Path, text: str, namespace: Mapping[str, Any]) -> None:
         The text is not a valid program.
     FileError
         The file cannot be written; the old one stays.
+    LRPError
+        It contains an expression that someone else may have recorded.
     """
     recording = recording_of(file)
+    check_own(recording)
     new = file.with_name(f".new {file.name}")
     try:
         with session_for(recording, parse(text), namespace) as session, open_log(new) as stream:
-            began = replace(start_of(session._loop), bridge=recording.start.bridge)
+            old = recording.start
+            began = replace(start_of(session._loop, initials=old.initials), bridge=old.bridge)
             recorder = Recorder(session._loop, stream.write, began)
             drive_again(session, recording, _LIMIT)
             recorder.end()

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import Any, ClassVar
 
-from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
+from lrp_jupyter.errors import LRPError, LRPSyntaxError
+from lrp_jupyter.files import shown
 from lrp_jupyter.grading.attempt import Ended
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.interpreter.journal import TICKS
@@ -74,8 +75,6 @@ class Rerun:
         """
         try:
             return self._outcome(recording_of(self.recording), parse(self.texts[0], self.filename), also)
-        except SessionTimeoutError as error:
-            return RunOutcome(problem=f"It was ended after {self.limit:g} s of computing. {error}")
         except LRPSyntaxError as error:
             return RunOutcome(problem=f"The program cannot be run: {error.findings[0]}")
         except MemoryError:
@@ -92,11 +91,8 @@ class Rerun:
     def _outcome(
         self, recording: Recording, program: Program, also: Callable[[Session], object] | None
     ) -> RunOutcome:
-        if not (self.trusted or recording.is_own) and (code := _code_in(recording)):
-            raise LRPError(
-                f"It contains `{code}`, an expression that you have not recorded here. Read it, then run it "
-                "once with `lrp replay FILE --trust`."
-            )
+        if not self.trusted:
+            check_own(recording)
         with session_for(recording, program, self.namespace, remembers=also is not None) as session:
             watch = RunWatch(session, self.tasks)
 
@@ -163,6 +159,15 @@ def drive_again(
     if session.fault:
         raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
     return begin
+
+
+def check_own(recording: Recording) -> None:
+    """Raise LRPError if a run of it evaluates an expression that someone else may have recorded."""
+    if not recording.is_own and (code := _code_in(recording)):
+        raise LRPError(
+            f"It contains `{shown(code)}`, an expression that you have not recorded here. Read it, then "
+            "run it once with `lrp replay FILE --trust`."
+        )
 
 
 def _code_in(recording: Recording) -> str:

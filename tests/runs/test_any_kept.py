@@ -33,11 +33,14 @@ class AnythingKept(Anything):
             self.go_on(0.5)
             session.call(lambda: None)  # what waits to be done to the world
             self.lab.connection.close()
+            file, refusal = None, ""
             try:
                 file = session.keep(folder=folder)
-            except (LRPError, ValueError) as refusal:
-                assert str(refusal).endswith(".")
-                assert not [*Path(folder).iterdir()]
+            except (LRPError, ValueError) as error:
+                refusal = str(error)
+            assert [*Path(folder).iterdir()] == ([] if file is None else [file])
+            if file is None:
+                assert refusal.endswith(".")
                 return
             self.same_again(session, file)
             self.same_with_other_programs(session.program.text, file)

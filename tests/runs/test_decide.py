@@ -127,7 +127,7 @@ def test_one_run_that_hangs_costs_the_others_nothing_and_says_so(keep):
     good, bad = keep("good"), keep("bad", act=slowed)
     text = LAPS.replace("(running [robot.move(angular=1.0)])", "(running [while pace < 0: pass])")
     made = decide(text, [good, bad], HowRun(limit=1))
-    assert "was ended after 1 s of computing" in made["bad"].reason
+    assert "did not return within 1 s of computing" in made["bad"].reason
     assert made["good"].problem == ""
 
 
@@ -137,6 +137,13 @@ def test_an_expression_in_a_strangers_recording_runs_only_if_trusted(keep, tmp_p
     strange.write_text(keep(act=slowed).read_text().replace('"-0.1"', json.dumps(expression)))
     (outcome,) = decide(LAPS, [strange]).outcomes.values()
     assert "an expression that you have not recorded here" in outcome.problem
+    with Session(LAPS, "sim", VirtualClock(), world="line") as session:
+        for act in (
+            lambda: record_again(strange, LAPS, {}),
+            lambda: show_run(session, read_recording(strange)),
+        ):
+            with pytest.raises(LRPError, match="an expression that you have not recorded here"):
+                act()
     assert not mark.exists()
     decide(LAPS, [strange], trusted=True)
     assert mark.exists()
@@ -200,6 +207,28 @@ def test_a_run_that_is_shown_in_a_session_is_the_same_there(keep):
             if line.get("event") == "entered"
         ]
         assert (shown, session.status) == (recorded, "paused")
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "reason"),
+    [
+        (NESTED, {"start": "arm/want/hand"}, "began with `arm/want/hand` alone"),
+        (LAPS, {}, r"began with `\(var pace := \[0.2\]\)`"),
+    ],
+)
+def test_a_run_that_began_otherwise_than_the_program_does_is_not_shown_as_if_it_had(
+    keep, tmp_path, text, options, reason
+):
+    file = keep(text=text, bridge="none", seconds=2, **options)
+    file.write_text(file.read_text().replace('"initials":{}', '"initials":{"pace":"0.2"}', text == LAPS))
+    with Session(text, clock=VirtualClock()) as session:
+        with pytest.raises(LRPError, match=reason):
+            show_run(session, read_recording(file))
+        assert session.frame.tick == 0
+    start = read_recording(file).start
+    record_again(file, text, {})
+    again = read_recording(file).start
+    assert (again.initials, again.start) == (start.initials, start.start)
 
 
 def test_what_runs_have_reached_is_what_their_events_say(keep):

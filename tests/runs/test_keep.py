@@ -101,7 +101,9 @@ def test_a_run_that_cannot_be_repeated_because_one_went_back_says_so(tmp_path):
         session.run(2)
         session.rewind(5)
         session.run(1)
-        with pytest.raises(ValueError, match="^This run cannot be kept: you went back in it, and `seen` was"):
+        with pytest.raises(
+            ValueError, match=r"^This run cannot be kept: you went back in it, and `seen`"
+        ):
             session.keep(folder=tmp_path)
 
 

@@ -1,5 +1,6 @@
 """Runs that are kept beside an open program: run again with every text, and shown in the page."""
 
+import shutil
 from threading import Event
 
 import pytest
@@ -86,6 +87,15 @@ def test_a_new_run_begins_at_the_start_and_the_recordings_of_a_folder_are_shown_
     assert "does not exist" in beside.page.do("attach_runs", folder="nowhere")
     assert beside.page.do("attach_runs", folder=str(tmp_path / "other")) is None
     assert [*beside.decided()] == ["strange"]
+
+
+def test_runs_of_one_name_in_several_folders_are_all_shown(beside, tmp_path):
+    beside.keep("run", seconds=3)
+    shutil.copytree(tmp_path / "laps.runs", tmp_path / "other")
+    assert beside.page.do("attach_runs", folder=str(tmp_path / "other")) is None
+    assert [*beside.decided()] == beside.runs.view(beside.session)["names"] == ["run", "run (other)"]
+    assert beside.page.do("expect", name="run (other)", expected="reaches away") is None
+    assert [run["state"] for run in beside.decided().values()] == ["passed", "failed"]
 
 
 def test_the_newest_of_many_edits_is_the_one_that_is_decided_about(beside):

@@ -31,7 +31,7 @@ from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.stored.json_values import unplain
 
 
-class WentBack(ValueError):
+class WentBackError(ValueError):
     """What came after a tick cannot be repeated from an earlier one: the session went back to it.
 
     `left`: what was no longer as before.
@@ -135,11 +135,11 @@ def _apply(loop: Loop, what: object) -> None:
 
 
 def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
-    """Raise WentBack if undone ticks left an effect behind: the run continued from another state."""
+    """Raise WentBackError if undone ticks left an effect behind: the run continued from another state."""
     world = loop.bridge.simulated
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
     if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
-        raise WentBack(checkpoint.tick, left)
+        raise WentBackError(checkpoint.tick, left)
 
 
 def tested_again(
