@@ -85,6 +85,19 @@ def test_a_run_that_begins_again_is_as_if_it_were_the_first(tmp_path, rate, begi
         assert read_recording(file).followed == new.followed
 
 
+@pytest.mark.parametrize("policy", ["record", "pause"])
+def test_a_run_that_was_begun_step_by_step_is_the_same_again(tmp_path, policy):
+    with Session(FAILING, clock=VirtualClock(), on_issue=policy) as session:
+        session.run(1)
+        session.pause()
+        session.reset()
+        for _ in range(3):
+            session.step()
+        again = reproduce(read_recording(session.keep(folder=tmp_path)))
+        assert again.difference is None
+        assert again.session.frame.values == session.frame.values
+
+
 def test_a_run_is_kept_up_to_now_also_while_it_goes_on(tmp_path):
     with Session(LAPS, "sim", VirtualClock(), world="line") as session:
         session.run(3)

@@ -59,8 +59,8 @@ def run_start(loop: Loop) -> ForkStart:
     begun, reason = loop.record.begun, unkept(loop)
     if begun is None or reason:
         raise ValueError(reason)
-    new = replace(begun.snapshot, issues=IssueLog(), unmeant=None)  # those of an earlier run are not its own
-    tick = loop.interpreter.tick
+    tick, settings = loop.interpreter.tick, {**begun.snapshot.settings, "paused": False}
+    new = replace(begun.snapshot, issues=IssueLog(), unmeant=None, settings=settings)  # of no run before
     start = _start_from(loop, begun._replace(snapshot=new), tick)
     return start._replace(later=(*start.later, Input(0, tick, loop.timing.now, EndRun())))
 
