@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 from lrp_jupyter.arguments import check_callable, check_number, check_type
 from lrp_jupyter.bridges.recorded import RecordedBridge
-from lrp_jupyter.errors import BridgeError, SessionTimeoutError, sentence_of
+from lrp_jupyter.errors import BridgeError, FileError, SessionTimeoutError, sentence_of
 from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.parser import parse
@@ -40,6 +40,7 @@ from lrp_jupyter.live.past.trials import Trial, Trials
 from lrp_jupyter.live.past.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
+from lrp_jupyter.live.recording import recording_of
 from lrp_jupyter.live.runner import Runner, Until
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame
@@ -140,6 +141,7 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
         with open_log(path) as stream, _forked(session, start, record) as copy:
             _repeat(copy, start.later)  # what was done after the last tick
             recorders[0].end()
+        _check_readable(path)
     except WentBackError as error:
         path.unlink(missing_ok=True)
         raise ValueError(
@@ -150,6 +152,17 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
         path.unlink(missing_ok=True)
         raise
     return path
+
+
+def _check_readable(path: FilePath) -> None:
+    """Raise ValueError if a recording cannot be read, so that it is not found out when it is needed."""
+    try:
+        recording_of(path)
+    except FileError:
+        raise ValueError(
+            "This run cannot be kept: something was done in it that no file can hold, such as assigning an"
+            " object. Begin a new run."
+        ) from None
 
 
 def _parsed(session: Runner, program: str | Program | None) -> Program | None:

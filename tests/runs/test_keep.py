@@ -21,6 +21,13 @@ def by_hand(session):
     session.bridge.place_robot((0.7, 0.5, 1.0))
 
 
+def assigned(session):
+    session.namespace["turns"] = [2, 3]
+    session.variables["pace"] = [0.1]  # which moves nothing
+    session.run(1)
+    session.variables["pace"] = 0.1
+
+
 def edited(session):
     session.edit(session.text.replace("1500", "1200"))
     session.run(2)
@@ -38,11 +45,13 @@ def restarted(session):
 
 
 @pytest.mark.parametrize("begins_again", [False, True])
-@pytest.mark.parametrize("act", [by_hand, edited, rewound, restarted])
+@pytest.mark.parametrize("act", [by_hand, assigned, edited, rewound, restarted])
 def test_a_kept_run_is_the_same_again_whatever_was_done_in_it_and_wherever_it_began(
     tmp_path, act, begins_again
 ):
-    with Session(LAPS, "sim", VirtualClock(), world="line", noise=NOISE, seed=3, name="laps") as session:
+    text, names = LAPS.replace("turn aside", "[turn * turns[0]] aside"), {"turns": [1]}
+    common = {"world": "line", "noise": NOISE, "seed": 3, "name": "laps", "namespace": names}
+    with Session(text, "sim", VirtualClock(), **common) as session:
         if begins_again:
             session.run(7.3)
             begin_run(session)
@@ -98,6 +107,23 @@ def test_a_run_that_was_begun_step_by_step_is_the_same_again(tmp_path, policy):
         assert again.session.frame.values == session.frame.values
 
 
+@pytest.mark.parametrize("begins_again", [False, True])
+def test_a_pause_stops_the_robot_again_when_a_kept_run_is_repeated(tmp_path, begins_again):
+    text = f"(var pauses := [0]) (onpause [pauses += 1]) {LAPS}"
+    with Session(text, "sim", VirtualClock(), world="line") as session:
+        if begins_again:
+            session.run(1)
+            begin_run(session)
+        session.resume()
+        session.run(1)
+        session.pause()
+        session.run(1)
+        again = reproduce(read_recording(session.keep(folder=tmp_path)))
+        assert again.difference is None
+        assert again.session.frame.values == session.frame.values
+        assert again.session.bridge.pose == session.bridge.pose
+
+
 def test_a_run_is_kept_up_to_now_also_while_it_goes_on(tmp_path):
     with Session(LAPS, "sim", VirtualClock(), world="line") as session:
         session.run(3)
@@ -114,9 +140,7 @@ def test_a_run_that_cannot_be_repeated_because_one_went_back_says_so(tmp_path):
         session.run(2)
         session.rewind(5)
         session.run(1)
-        with pytest.raises(
-            ValueError, match=r"^This run cannot be kept: you went back in it, and `seen`"
-        ):
+        with pytest.raises(ValueError, match=r"^This run cannot be kept: you went back in it, and `seen`"):
             session.keep(folder=tmp_path)
 
 
@@ -154,6 +178,16 @@ def test_a_run_whose_beginning_is_not_known_is_refused_and_leaves_no_file(tmp_pa
         begin_run(session)
         session.run(1)
         assert read_recording(session.keep(folder=tmp_path)).ticks == 10
+
+
+def test_a_run_in_which_no_file_can_hold_what_was_done_is_refused_and_leaves_no_file(tmp_path):
+    with Session(LAPS, "sim", VirtualClock(), world="line") as session:
+        session.run(1)
+        session.variables["pace"] = object()
+        session.run(1)
+        with pytest.raises(ValueError, match=r"^This run cannot be kept: something was done"):
+            session.keep(folder=tmp_path)
+        assert not [*tmp_path.iterdir()]
 
 
 def test_a_run_that_cannot_be_repeated_is_refused_and_leaves_no_file(tmp_path):

@@ -19,4 +19,3 @@ def test_a_run_is_not_begun_by_a_worker_that_starts_when_it_is_needed_no_more():
     assert ending.result() == LOST
     (worker,) = workers._idle  # it makes the next one
     assert not worker.is_spent
-

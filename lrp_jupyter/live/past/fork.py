@@ -30,7 +30,7 @@ from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.past.leftovers import differ
 from lrp_jupyter.live.past.replay import Entry, Ticked, merged
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
-from lrp_jupyter.live.running.inputs import EndRun, Input
+from lrp_jupyter.live.running.inputs import EndRun, Input, Resume
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.running.notebook_names import ChangeNames, random_module, with_modules
 
@@ -61,8 +61,10 @@ def run_start(loop: Loop) -> ForkStart:
         raise ValueError(reason)
     tick, settings = loop.interpreter.tick, {**begun.snapshot.settings, "paused": False}
     new = replace(begun.snapshot, issues=IssueLog(), unmeant=None, settings=settings)  # of no run before
-    start = _start_from(loop, begun._replace(snapshot=new), tick)
-    return start._replace(later=(*start.later, Input(0, tick, loop.timing.now, EndRun())))
+    start = _start_from(loop, begun._replace(snapshot=new, running=False), tick)
+    resumed = (Input(0, begun.tick, begun.time, Resume()),) if begun.running else ()
+    ended = Input(0, tick, loop.timing.now, EndRun())
+    return start._replace(entries=(*resumed, *start.entries), later=(*start.later, ended))
 
 
 def unkept(loop: Loop) -> str:

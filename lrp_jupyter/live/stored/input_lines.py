@@ -81,10 +81,10 @@ def _fields_of(what: Any, loop: Loop) -> Line | None:
         case do.Renew(program):
             return {"text": program.text}
         case do.Assign(path, value):
-            text = literal(value)
+            text = literal(loop.record.restored(value))
             return None if text is None else {"path": path, "value": text}
         case ChangeNames(_, after):
-            values = {name: literal(value) for name, value in after.items()}
+            values = {name: literal(loop.record.restored(value)) for name, value in after.items()}
             return {"values": values, "deleted": sorted(set(what.names) - after.keys())}
         case RobotCommanded(name, arguments):
             return {"name": name, "arguments": plain(arguments)}
