@@ -39,13 +39,21 @@ def rewound(session):
     session.rewind(12)
 
 
+def settled(session):
+    session.run(2)
+    session.rate, session.on_issue = 25, "pause"
+    session.resume()
+    session.rewind(6)
+    session.variables["turn"] = None  # an issue, at which it pauses
+
+
 def restarted(session):
     session.pause()
     session.reset()
 
 
 @pytest.mark.parametrize("begins_again", [False, True])
-@pytest.mark.parametrize("act", [by_hand, assigned, edited, rewound, restarted])
+@pytest.mark.parametrize("act", [by_hand, assigned, edited, rewound, settled, restarted])
 def test_a_kept_run_is_the_same_again_whatever_was_done_in_it_and_wherever_it_began(
     tmp_path, act, begins_again
 ):

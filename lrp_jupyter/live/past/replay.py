@@ -24,9 +24,9 @@ from lrp_jupyter.language.blocks.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.live.past.leftovers import leftover
 from lrp_jupyter.live.running.checkpoints import SessionCheckpoint
-from lrp_jupyter.live.running.commands import Rename, ReplaceProgram
+from lrp_jupyter.live.running.commands import Rename, ReplaceProgram, SetPolicy, SetRate
 from lrp_jupyter.live.running.inbox import Command
-from lrp_jupyter.live.running.inputs import Input, Rewound
+from lrp_jupyter.live.running.inputs import EndRun, Input, Resume, Rewound
 from lrp_jupyter.live.running.loop import Loop
 from lrp_jupyter.live.stored.json_values import unplain
 
@@ -120,6 +120,7 @@ def _apply(loop: Loop, what: object) -> None:
             (bridge.arm if armed else bridge.disarm)()
         case Rewound(checkpoint):
             _check_rewound(loop, checkpoint)
+            _write_settled(loop, checkpoint)
             loop.settle_as(checkpoint)
         case CommandsHeld():
             bridge.safety.again = what
@@ -140,6 +141,30 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
     if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
         raise WentBackError(checkpoint.tick, left)
+
+
+def _write_settled(loop: Loop, checkpoint: SessionCheckpoint) -> None:
+    """Write what a rewind has left as it was, if the run is recorded: its own inputs are undone.
+
+    Raises WentBackError: the program was paused there, or not, which no input says.
+    """
+    written, settings = loop.record.written, checkpoint.snapshot.settings
+    if written is None:
+        return
+    interpreter, tick, now = loop.interpreter, loop.interpreter.tick, loop.timing.now
+    if interpreter.paused != settings["paused"]:
+        raise WentBackError(checkpoint.tick, "a pause")
+    left: list[Command] = [
+        SetPolicy(name, settings[name])
+        for name in ("on_active_edit", "on_issue")
+        if getattr(interpreter, name) != settings[name]
+    ]
+    if loop.timing.rate != checkpoint.rate:
+        left.append(SetRate(checkpoint.rate))
+    if (loop.status == "running") != checkpoint.running:
+        left.append(Resume() if checkpoint.running else EndRun())
+    for what in left:
+        written(Input(0, tick, now, what))
 
 
 def tested_again(
