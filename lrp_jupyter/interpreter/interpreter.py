@@ -174,7 +174,7 @@ class Interpreter:
         self._run = self._new_run(program, alone=None if start is None else alone(program, start))
         self._history = History(self._run)
         show_in_tracebacks(program)
-        self._report_duplicates()
+        self.report_duplicates()
 
     def __repr__(self) -> str:
         active = ", ".join(map(path_text, self.active)) or "nothing"
@@ -559,7 +559,7 @@ class Interpreter:
                 self._restart(decision.reason or "")
             else:
                 adopt(run, program, changes.successors)
-            self._report_duplicates()
+            self.report_duplicates()
             self._count_revision(changes.successors)
         reason = decision.reason if waiting is None else waiting
         self.patch_reason = reason or ""
@@ -754,7 +754,7 @@ class Interpreter:
         self.revision += 1
         show_in_tracebacks(program)
         self._restart("reset")
-        self._report_duplicates()
+        self.report_duplicates()
         self._done()
 
     def pause(self, now: float | None = None, reason: str = "") -> None:
@@ -849,7 +849,8 @@ class Interpreter:
         for block in blocks if run.roots else ():
             run.attempt(bind_block(run, block, run.globals), block.site, run.globals)
 
-    def _report_duplicates(self) -> None:
+    def report_duplicates(self) -> None:
+        """Report what is defined twice, unless it is known: a program that begins has such issues already."""
         run = self._run
         for site in run.plan.duplicates:
             if run.issues.is_open(site[:2], run.globals):

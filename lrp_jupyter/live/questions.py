@@ -134,6 +134,7 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
     recorders: list[Recorder] = []
 
     def record(copy: Runner) -> None:
+        copy.interpreter.report_duplicates()
         began = replace(start_of(copy._loop), bridge=session.bridge.name)
         recorders.append(Recorder(copy._loop, stream.write, began))
 

@@ -11,6 +11,7 @@ from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import begin_run
+from lrp_jupyter.runs.rerun import Rerun
 
 NOISE = {"motor": 0.2, "light": 10, "distance": 0.02}
 
@@ -113,6 +114,18 @@ def test_a_run_that_was_begun_step_by_step_is_the_same_again(tmp_path, policy):
         again = reproduce(read_recording(session.keep(folder=tmp_path)))
         assert again.difference is None
         assert again.session.frame.values == session.frame.values
+
+
+def test_a_run_of_a_program_that_defines_something_twice_is_the_same_again(tmp_path):
+    with Session(f"(var pace := [0]) {LAPS}", "sim", VirtualClock(), on_issue="pause") as session:
+        for begins in (lambda: None, lambda: begin_run(session), session.reset):
+            begins()
+            session.run(1)
+            session.resume()
+            session.run(1)
+            recording = read_recording(session.keep(folder=tmp_path))
+            assert reproduce(recording).difference is None
+            assert Rerun((session.text,), str(tmp_path / "run.lrplog")).outcome().passed
 
 
 @pytest.mark.parametrize("begins_again", [False, True])
