@@ -102,6 +102,7 @@ class Rerun:
                 return watch.tick()
 
             drive_again(session, recording, self.limit, after_tick)
+            watch.repeated = len(watch.happenings)
             if recording.start.world is not None:  # a simulated robot can drive on
                 more = self._seconds - session.frame.time
                 session.run(max(0.0, more), limit=self.limit, after_tick=after_tick)

@@ -15,7 +15,6 @@ from lrp_jupyter.language.lookup import means
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.coverage import coverage_of
-from lrp_jupyter.live.past.replay import Ticked
 from lrp_jupyter.live.past.timeline import Happening
 from lrp_jupyter.live.past.what_if import Divergence, first_event
 from lrp_jupyter.live.recording import Line, Recording
@@ -27,14 +26,13 @@ from lrp_jupyter.runs.expectation import Expectation, ExpectedPart
 from lrp_jupyter.runs.outcome import PartVerdict, RunOutcome, StateEntered
 from lrp_jupyter.runs.renamed import Names, path_now, renamed
 
-_ROUNDING = 1e-6  # s
-
 
 class RunWatch:
     """What is noted of a run: states and commands, what the robot touches, the challenges' criteria."""
 
     def __init__(self, session: Session, tasks: Mapping[str, Challenge]) -> None:
         self.happenings: list[Happening] = []
+        self.repeated: int | None = None  # how many of them there were when the recording was at its end
         self.commands: list[Happening] = []
         self.touches: list[tuple[float, str]] = []
         self._session = session
@@ -96,10 +94,7 @@ def judged(recording: Recording, session: Session, watch: RunWatch, expected: Ex
     """Return what came of a run, and the verdict on each part of what is expected."""
     names = renamed(parse(recording.start.text), session.program)
     recorded = [*_recorded(recording.followed, names, "state")]
-    end = (
-        max((entry.time for entry in recording.entries if isinstance(entry, Ticked)), default=0.0) + _ROUNDING
-    )
-    differs = first_event(recorded, (each for each in watch.happenings if each.time <= end))
+    differs = first_event(recorded, watch.happenings[: watch.repeated])
     is_open_loop = isinstance(session.bridge, RecordedBridge)
     other: Divergence | None = None
     if is_open_loop:

@@ -93,6 +93,18 @@ def test_what_cannot_be_expected_is_refused_and_nothing_is_written(keep, line):
     assert kept_runs(run.file) == (run,)
 
 
+@pytest.mark.parametrize("line", ["as recorded", "as recorded, reaches away within 30 s"])
+@pytest.mark.parametrize("force", [Session.transition_to, Session.teleport_to])
+def test_a_state_that_was_entered_by_hand_after_the_last_tick_is_entered_again(keep, tmp_path, force, line):
+    with Session(LAPS, "sim", VirtualClock(), world="line") as session:
+        session.run(20)
+        force(session, "laps/aside")
+        run = expect(kept_runs(session.keep(folder=tmp_path))[0], line)
+    (outcome,) = decide(LAPS, [run]).outcomes.values()
+    assert outcome.difference == ""
+    assert outcome.now[: len(outcome.recorded)] == outcome.recorded
+
+
 def test_a_real_robots_recording_is_an_open_loop_from_the_first_difference_on(keep, tmp_path):
     file = keep(text=ROVER, bridge=Rover, act=lambda session: session.bridge.arm(), seconds=2)
     (same,) = decide(ROVER, [file]).outcomes.values()
