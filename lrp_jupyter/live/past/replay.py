@@ -139,21 +139,18 @@ def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
     """Raise WentBackError if undone ticks left an effect behind: the run continued from another state."""
     world = loop.bridge.simulated
     other = "" if world is None or world.has_come_to(checkpoint.moment) else "the world"
+    if loop.record.written is not None and loop.interpreter.paused != checkpoint.snapshot.settings["paused"]:
+        other = "a pause"  # which no input of a recording says
     if left := other or leftover(checkpoint, loop.record.checkpoint(loop.status == "running")):
         raise WentBackError(checkpoint.tick, left)
 
 
 def _write_settled(loop: Loop, checkpoint: SessionCheckpoint) -> None:
-    """Write what a rewind has left as it was, if the run is recorded: its own inputs are undone.
-
-    Raises WentBackError: the program was paused there, or not, which no input says.
-    """
+    """Write what a rewind has left as it was, if the run is recorded: its own inputs are undone."""
     written, settings = loop.record.written, checkpoint.snapshot.settings
     if written is None:
         return
     interpreter, tick, now = loop.interpreter, loop.interpreter.tick, loop.timing.now
-    if interpreter.paused != settings["paused"]:
-        raise WentBackError(checkpoint.tick, "a pause")
     left: list[Command] = [
         SetPolicy(name, settings[name])
         for name in ("on_active_edit", "on_issue")
