@@ -191,7 +191,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   const keeping = keepForm(lab);
   const attaching = attachForm(lab);
   const panels = {
-    goal: wanted("goal") ? goalView(lab) : null,
+    goal: wanted("goal") ? goalView(lab, part === "lab" ? () => layout?.choose("runs") : null) : null,
     editor: editor && editorPanel(lab, editor),
     tree: wanted("tree") ? treeView(lab) : null,
     graph: wanted("graph") ? graphView(lab) : null,

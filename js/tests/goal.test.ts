@@ -2,7 +2,7 @@
 
 import { describe, expect, it } from "vitest";
 import { goalView, numbered, resultOf } from "../src/parts/goal";
-import type { AttemptView, CheckView, GoalView } from "../src/protocol";
+import type { AttemptView, CheckView, GoalView, RunsView, SearchView } from "../src/protocol";
 import { type Lab, Store } from "../src/session/store";
 
 const world = { name: "line across", width: 3, height: 2, solids: "", line: "M1,1 2,1", zones: "" };
@@ -42,13 +42,15 @@ const goal: GoalView = {
   check,
   begun: 0,
   trail: [],
+  keeps: true,
 };
 
 function shown(fields: Partial<GoalView> = {}) {
   const store = new Store();
   const acts: unknown[] = [];
   const lab = { store, act: async (act: unknown) => void acts.push(act) } as unknown as Lab;
-  const element = goalView(lab);
+  let calls = 0;
+  const element = goalView(lab, () => calls++);
   store.state.goal = { ...goal, ...fields };
   store.state.criteria = [
     { sentence: "ends in `goal`", state: "open", reason: "it is at x = 1.00 m" },
@@ -56,7 +58,7 @@ function shown(fields: Partial<GoalView> = {}) {
   ];
   store.state.attempts = attempts;
   store.touch(new Set(["goal", "criteria", "attempts"] as const));
-  return { element, acts, store };
+  return { element, acts, store, toRuns: () => calls };
 }
 
 const tick = () => new Promise((resolve) => setTimeout(resolve, 40));
@@ -101,11 +103,12 @@ describe("the goal", () => {
   it("checks, shows a run, gives a hint and starts over", async () => {
     const { element, acts } = shown();
     await tick();
-    for (const action of ["check", "show-attempt", "hint", "start-over"])
+    for (const action of ["check", "show-attempt", "keep-attempt", "hint", "start-over"])
       element.querySelector<HTMLButtonElement>(`[data-lrp-action="${action}"]`)?.click();
     expect(acts).toEqual([
       { do: "check" },
       { do: "show_attempt", index: 1 },
+      { do: "keep_attempt", index: 1 },
       { do: "hint" },
       { do: "start_over", world: -1 },
     ]);
@@ -124,6 +127,40 @@ describe("the goal", () => {
       "Turn by pi.",
       "Wait.",
     ]);
+  });
+});
+
+describe("a search for a change", () => {
+  it("is offered after a check that failed, where the teacher allows it, and leads to the runs", async () => {
+    const { element, acts, store, toRuns } = shown();
+    const find = element.querySelector<HTMLButtonElement>('[data-lrp-action="find-change"]')!;
+    const search = {} as SearchView;
+    const offered = async (fields: Partial<typeof store.state>) => {
+      Object.assign(store.state, fields);
+      store.touch(["goal", "search", "runs"]);
+      await tick();
+      return !find.hidden;
+    };
+    expect(await offered({ runs: {} as RunsView })).toBe(false);
+    expect(await offered({ search })).toBe(true);
+    for (const other of [{ passed: true }, { busy: true }])
+      expect(await offered({ goal: { ...goal, check: { ...check, ...other } } })).toBe(false);
+    expect(await offered({ goal: { ...goal, check: null } })).toBe(false);
+    expect(await offered({ goal, settings: { ...store.state.settings, quiet: true } })).toBe(false);
+    expect(await offered({ settings: { ...store.state.settings, quiet: false } })).toBe(true);
+    find.click();
+    expect([acts, toRuns()]).toEqual([[{ do: "find_change" }], 1]);
+  });
+
+  it("needs no run that is kept; one can be kept unless the program is to be edited meanwhile", async () => {
+    const { element, store } = shown({ keeps: false });
+    store.state.runs = {} as RunsView;
+    await tick();
+    expect(element.querySelector(".lrp-goal")!.hasAttribute("data-keeps")).toBe(false);
+    store.state.goal = { ...goal };
+    store.touch(["goal"]);
+    await tick();
+    expect(element.querySelector(".lrp-goal")!.hasAttribute("data-keeps")).toBe(true);
   });
 });
 

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { coverageWords, reachedBy, reachWords } from "../src/parts/coverage";
 import { reasonOf } from "../src/parts/runs";
 import { stripWords, visitsOf } from "../src/parts/strip";
-import type { CoverageView, KeptRunView, ProgramView, RunsView } from "../src/protocol";
+import type { CoverageView, KeptRunView, ProgramView, RunsView, SearchView } from "../src/protocol";
 import { Page } from "./opened";
 import recording from "./page/recording.json";
 
@@ -222,6 +222,83 @@ it("a strip says which state was active at each place, until its machine ended",
   expect(stripWords(RUN, 0.65, 0.2)).toBe("recorded: moving, 12.3 to 20.0 s");
   expect(stripWords(RUN, 0.65, 0.8)).toBe("now: looking, 0.0 to 14.0 s");
   expect(stripWords(RUN, 0.95, 0.8)).toBe("now: no state at 19.0 s");
+});
+
+describe("the search for a change", () => {
+  const IDLE = { busy: false, made: 0, planned: 0, changes: [], answer: "", stale: false, error: "" };
+  const FOUND: SearchView = {
+    ...IDLE,
+    changes: [
+      {
+        sentence: "`turn` 10 instead of 15 (line 2) passes in 2 of 2 runs (now 0).",
+        line: 2,
+        passed: 2,
+        runs: 2,
+      },
+      {
+        sentence: "`pace` 3 instead of 1 (line 1) passes in 1 of 2 runs (now 0).",
+        line: 1,
+        passed: 1,
+        runs: 2,
+      },
+    ],
+    answer: "Changing `lag` does not help.",
+  };
+  const search = async (fields: Partial<SearchView> | null) => {
+    page.deliver({ type: "frame", frame: frames++, search: fields && { ...IDLE, ...fields } });
+    await page.drawn();
+  };
+  const part = () => page.find(".lrp-search");
+  const action = (name: string) => part().querySelector<HTMLElement>(`[data-lrp-action="${name}"]`)!;
+
+  it("is offered where it is allowed and a run has failed, also while that is run again", async () => {
+    const offered = () => !part().hidden && !action("find-change").hidden;
+    await show({ oval: {}, wall: FAILED });
+    expect(offered()).toBe(false);
+    await search({});
+    expect([offered(), part().querySelector<HTMLElement>(".lrp-found")!.hidden]).toEqual([true, true]);
+    await show({ wall: { state: "waiting" } });
+    expect(offered()).toBe(true);
+    await show({ wall: {} });
+    expect([offered(), part().hidden]).toEqual([false, true]);
+  });
+
+  it("says how far it is, can be stopped, and shows what was found with what can be done with it", async () => {
+    await show({ wall: FAILED });
+    await search({});
+    action("find-change").click();
+    expect(page.commands("find_change")).toHaveLength(1);
+    await search({ busy: true, made: 36, planned: 120 });
+    expect(part().querySelector("[role=status]")!.textContent).toBe("Run 37 of 120 …");
+    expect([action("find-change").hidden, action("stop-search").hidden]).toEqual([true, false]);
+    action("stop-search").click();
+    expect(page.commands("stop_search")).toHaveLength(1);
+    await search(FOUND);
+    const items = [...part().querySelectorAll("li")];
+    expect(items.map((each) => each.querySelector("span")!.textContent)).toEqual([
+      "turn 10 instead of 15 (line 2) passes in 2 of 2 runs (now 0).",
+      "pace 3 instead of 1 (line 1) passes in 1 of 2 runs (now 0).",
+    ]);
+    expect(part().querySelector(".lrp-found > p")!.textContent).toBe("Changing lag does not help.");
+    items[0]!.querySelector<HTMLElement>('[data-lrp-action="line-of-change"]')!.click();
+    const { state } = page.editor;
+    expect(state.doc.lineAt(state.selection.main.head).number).toBe(2);
+    items[1]!.querySelector<HTMLElement>('[data-lrp-action="take-change"]')!.click();
+    expect(page.commands("take_change")).toMatchObject([{ index: 1 }]);
+    await reply("The program has changed since this search. Search again.");
+    expect(part().querySelector(".lrp-error")!.textContent).toContain("Search again.");
+  });
+
+  it("offers nothing of an answer about an earlier program, and shows what went wrong", async () => {
+    await show({ wall: {} });
+    await search({ ...FOUND, stale: true });
+    expect(part().querySelector(".lrp-found")!.hasAttribute("data-stale")).toBe(true);
+    expect(part().textContent).toContain("The program has changed since.");
+    expect([...part().querySelectorAll<HTMLElement>("li button")].every(({ hidden }) => hidden)).toBe(true);
+    await search({ error: "A run `wall` cannot be repeated." });
+    expect(part().querySelector(".lrp-error")!.textContent).toBe("A run wall cannot be repeated.");
+    expect(part().querySelector<HTMLElement>(".lrp-found")!.hidden).toBe(true);
+  });
 });
 
 describe("the coverage", () => {

@@ -135,10 +135,27 @@ class Repairs:
         """The best change, or that there is none."""
         return next(self._sentences())
 
+    @property
+    def shown(self) -> tuple[Repair, ...]:
+        """The changes that the answer names."""
+        return self.repairs[:_SHOWN]
+
+    @property
+    def remarks(self) -> str:
+        """What the answer says beside these changes: what does not help, and what was tried."""
+        return " ".join(self._remarks())
+
     def __str__(self) -> str:
         return " ".join(self._sentences())
 
     def _sentences(self) -> Iterator[str]:
+        for each in self.repairs[:1]:
+            yield each.sentence
+        for each in self.shown[1:]:
+            yield f"{each.phrase} does, too: {each.passed} of {each.runs}."
+        yield from self._remarks()
+
+    def _remarks(self) -> Iterator[str]:
         if self.passed == self.runs:
             yield f"The program passes in all {self.runs} runs as it is."
             return
@@ -147,12 +164,8 @@ class Repairs:
             yield f"No small change was found with which the program passes {now}."
             kinds = joined(self.tried, "and") if self.tried else "nothing"
             yield f"Tried were {kinds}, in {self.made} runs."
-        else:
-            yield self.repairs[0].sentence
-            for each in self.repairs[1:_SHOWN]:
-                yield f"{each.phrase} does, too: {each.passed} of {each.runs}."
-            if self.unhelpful:
-                yield f"Changing {joined(self.unhelpful[:_NAMED], 'or')} does not help."
+        elif self.unhelpful:
+            yield f"Changing {joined(self.unhelpful[:_NAMED], 'or')} does not help."
         if not self.complete:
             yield "The search was ended before everything was tried."
 

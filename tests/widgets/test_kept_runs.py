@@ -6,8 +6,12 @@ from threading import Event
 import pytest
 from runs.conftest import LAPS
 
+from lrp_jupyter.grading.challenges import Challenge, register
+from lrp_jupyter.grading.criteria import drives, ends_in
 from lrp_jupyter.live.running.commands import Call
 from lrp_jupyter.runs.decide import decide
+from lrp_jupyter.sim.world import BoxZone, RobotSpec, World
+from lrp_jupyter.widgets.views.goal import Goal
 
 SLOWER = LAPS.replace("[0.3]", "[0.29]")
 
@@ -121,6 +125,33 @@ def test_what_no_run_has_reached_is_shown_by_the_numbers_of_the_runs(beside):
     assert coverage["states"] == {"laps/ahead": [0, 1], "laps/aside": [1], "laps/away": [1]}
     assert coverage["transitions"]["laps/on:ahead->aside"] == []
     assert coverage["conditions"] == {"laps/on:ahead->aside": "never true"}
+
+
+SOON = Challenge(
+    "home/soon",
+    "Reach the end of the room.",
+    (World(name="a/b", size=(3, 2), robots=(RobotSpec((0.5, 1, 0)),), zones={"end": BoxZone((2.5, 1, 1, 1))}),),
+    (drives(1), ends_in("end")),
+    8,
+    hold=0,
+)
+
+
+def test_a_run_of_a_check_is_kept_and_has_to_meet_the_challenge(beside):
+    register(SOON)
+    goal = beside.lab.connection.goal = Goal(SOON)
+    ended = Event()
+    goal.attach(beside.session, lambda: goal.view(beside.session, LAPS)["check"]["busy"] or ended.set())
+    assert beside.page.do("keep_attempt", index=0) == "This run is no longer known. Check again."
+    beside.page.do("check")
+    assert ended.wait(60)
+    assert beside.page.do("keep_attempt", index=0) is None
+    assert beside.lab.connection.view_state()["looking"] is None
+    ((name, run),) = beside.decided().items()
+    attempt = goal.attempts()["0"]
+    assert (name, run["expected"]) == (f"a-b, seed {attempt['seed']}", "meets home/soon")
+    assert (run["state"], run["differs"]) == ("failed", None)
+    assert attempt["failed"] in run["reason"]
 
 
 def test_a_program_that_no_run_can_be_kept_of_says_why(beside):

@@ -3,8 +3,10 @@
 import type { AttemptView, CheckView, CriterionView, GoalView, OutlineView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, reconcile, s, setAttribute, setChoices, setProse, setText } from "../ui/dom";
+import { h, reconcile, s, setAttribute, setChoices, setHidden, setProse, setText } from "../ui/dom";
 import { ABSENT } from "../ui/layout";
+import { findButton, isCheckFailed } from "./search";
+import { withheld } from "./study";
 
 type Attempts = Readonly<Record<string, AttemptView>>;
 
@@ -15,7 +17,8 @@ const STATES: Record<CriterionView["state"], string> = {
   failed: "failed",
 };
 
-export function goalView(lab: Lab): HTMLElement {
+/** `toRuns` brings the runs to the front; null where there are none in this view. */
+export function goalView(lab: Lab, toRuns: (() => void) | null = null): HTMLElement {
   const { store } = lab;
   const world = h("select", {
     class: "lrp-select",
@@ -42,15 +45,25 @@ export function goalView(lab: Lab): HTMLElement {
   const note = h("p", { class: "lrp-goal-note", role: "status" });
   const watched = h("p", { class: "lrp-faint" }, "The run in the world, as far as it has come:");
   const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria of the run in the world" });
-  const checked = checkView(lab);
+  const find = findButton(() => {
+    toRuns?.(); // where the answer stands
+    void lab.act({ do: "find_change" });
+  });
+  const keep = async (index: number) => {
+    if (!(await lab.act({ do: "keep_attempt", index }))) toRuns?.();
+  };
+  const checked = checkView(lab, keep);
   const group = { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" };
   const code = h("strong", { class: "lrp-code" });
   const exam = h("p", { class: "lrp-exam" }, "Hand-in code: ", code, ". Save your work, then write it down.");
   const body = h("div", group, checked.element, task, exam, note, watched, criteria);
-  const { element, heading } = panel("goal", "Goal", [world, again, check, checked.hint], body);
+  const { element, heading } = panel("goal", "Goal", [world, again, check, checked.hint, find], body);
   element.setAttribute(ABSENT, "");
-  store.watch(["goal", "attempts"], () => {
-    const { goal, attempts } = store.state;
+  store.watch(["goal", "attempts", "search", "runs", "settings"], () => {
+    const { goal, attempts, search, runs, settings } = store.state;
+    const hasRuns = !!toRuns && !!runs && !withheld(settings).includes("runs");
+    setHidden(find, !(hasRuns && search && isCheckFailed(goal)));
+    setAttribute(body, "data-keeps", hasRuns && goal?.keeps);
     setAttribute(element, ABSENT, goal === null);
     if (!goal) return;
     setText(heading, `Goal: ${goal.name}`);
@@ -98,7 +111,7 @@ export function numbered(worlds: readonly { name: string }[]): string[] {
 }
 
 /** The last check: progress, result, one card for each run, hints. */
-function checkView(lab: Lab) {
+function checkView(lab: Lab, keep: (index: number) => Promise<void>) {
   const bar = h("progress", { class: "lrp-progress", "aria-label": "Runs made" });
   const result = h("p", { class: "lrp-result", role: "status" });
   const runs = h("ul", { class: "lrp-attempts", "aria-label": "Runs of the check" });
@@ -132,7 +145,7 @@ function checkView(lab: Lab) {
         runs,
         failedFirst(attempts),
         ([index]) => index,
-        ([index]) => makeRun(lab, Number(index)),
+        ([index]) => makeRun(lab, Number(index), keep),
         (card, [, attempt]) => updateRun(card, attempt, goal, attempts),
       );
       setText(label, goal.more_hints ? `Hint (${goal.more_hints})` : "Hint");
@@ -186,7 +199,7 @@ function failedFirst(attempts: Attempts): [string, AttemptView][] {
   );
 }
 
-function makeRun(lab: Lab, index: number): HTMLElement {
+function makeRun(lab: Lab, index: number, keep: (index: number) => Promise<void>): HTMLElement {
   const show = button({
     label: "Show",
     title: "Repeat this run in the lab, and look at the moment at which it failed",
@@ -197,21 +210,39 @@ function makeRun(lab: Lab, index: number): HTMLElement {
       show.disabled = false;
     },
   });
+  const keeping = button({
+    label: "Keep",
+    title: "Keep this run as an example, and run it again after every edit",
+    action: "keep-attempt",
+    onclick: async () => {
+      keeping.disabled = true;
+      await keep(index);
+      keeping.disabled = false;
+    },
+  });
   const picture = s("svg", { class: "lrp-outline", "aria-hidden": "true" });
   const words = h("div", {}, h("div", { class: "lrp-attempt-name" }), h("div", { class: "lrp-faint" }));
-  return h("li", { class: "lrp-attempt" }, picture, words, show);
+  return h(
+    "li",
+    { class: "lrp-attempt" },
+    picture,
+    words,
+    h("div", { class: "lrp-attempt-acts" }, show, keeping),
+  );
 }
 
 function updateRun(card: Element, attempt: AttemptView, goal: GoalView, attempts: Attempts): void {
   setAttribute(card, "data-state", attempt.passed ? "met" : "failed");
-  const [picture, text, show] = [...card.children] as [Element, Element, HTMLButtonElement];
+  const [picture, text, acts] = [...card.children] as [Element, Element, HTMLElement];
+  const [show, keeping] = [...acts.children] as [Element, Element];
   const seeds = Object.values(attempts).filter(({ world }) => world === attempt.world).length > 1;
   const name = `${numbered(goal.worlds)[attempt.world]}${seeds ? `, seed ${attempt.seed}` : ""}`;
   const [title, why] = [...text.children] as [Element, Element];
   setText(title, `${name}: ${attempt.passed ? "passed" : "not yet"}`);
   setProse(why, attempt.passed ? "" : `${attempt.failed}: ${attempt.reason}`);
-  show.hidden = !attempt.shows;
+  acts.hidden = !attempt.shows;
   setAttribute(show, "aria-label", `Show the run: ${name}`);
+  setAttribute(keeping, "aria-label", `Keep the run: ${name}`);
   drawRun(picture, goal.worlds[attempt.world]!, attempt.path);
 }
 

@@ -14,6 +14,7 @@ import type { Style } from "../world/palette";
 import { counted, coverageWords } from "./coverage";
 import { proposing } from "./expected";
 import { keepButton } from "./keep";
+import { isCheckFailed, searchView } from "./search";
 import { drawStrip, STRIP, stripWords } from "./strip";
 
 const EMPTY =
@@ -69,7 +70,8 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   const reached = h("p", { class: "lrp-runs-reached" });
   const result = h("p", { role: "status" });
   const where = h("p", { class: "lrp-faint" });
-  const body = h("div", { class: "lrp-runs-body" }, error, list, result, reached, where);
+  const search = searchView(lab);
+  const body = h("div", { class: "lrp-runs-body" }, search.element, error, list, result, reached, where);
   let focused = ""; // the run that gets the keyboard's focus, from one that goes
   const leave = (name: string) => {
     focused = name;
@@ -80,8 +82,8 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   store.watch(["program"], () => {
     styleOf = trailStyles(store.state.program, TRAIL_COLORS);
   });
-  store.watch(["runs", "kept_runs", "program", "snapshot"], (changed) => {
-    const { runs, kept_runs: kept } = store.state;
+  store.watch(["runs", "kept_runs", "program", "goal", "snapshot"], (changed) => {
+    const { runs, kept_runs: kept, goal } = store.state;
     setAttribute(element, ABSENT, !runs);
     if (changed.has("snapshot")) shown.clear();
     const names = [...new Set(runs?.names)].filter((name) => kept[name]);
@@ -98,6 +100,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
       (name) => new RunRow(lab, name, leave).element,
       (row, name) => rows.get(row)!.update(shown.get(name)!, styleOf),
     );
+    search.update(failed.length > 0 || isCheckFailed(goal));
     setText(heading, failed.length ? `Runs (${failed.length})` : "Runs");
     setAttribute(list, "data-empty", names.length ? null : EMPTY);
     setProse(error, runs?.error ?? "");

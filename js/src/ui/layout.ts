@@ -80,6 +80,13 @@ export class Layout {
     this.tabs.call(name);
   }
 
+  /** Bring one of them to the front, and show it if it is hidden, as if the user had done so. */
+  choose(name: keyof Panels): void {
+    if (this.panels[name].hidden) this.show(name, true);
+    else this.maximise(null);
+    this.tabs.choose(name);
+  }
+
   get arrangement(): Arrangement {
     const name = kept(ARRANGEMENT);
     return ARRANGEMENTS.find((each) => each === name) ?? "work";

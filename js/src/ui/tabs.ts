@@ -71,7 +71,8 @@ export class Tabs {
     strip.scrollLeft = Math.min(left, Math.max(0, right + tools - strip.clientWidth));
   }
 
-  private choose(name: string): void {
+  /** Bring a panel to the front, as the user has chosen. */
+  choose(name: string): void {
     const before = this.front;
     this.chosen = name;
     this.called = null;

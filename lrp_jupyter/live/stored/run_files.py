@@ -30,6 +30,11 @@ def check_name(name: str) -> None:
         )
 
 
+def possible_name(name: str) -> str:
+    """Return the name that is most like a text and that a run can have."""
+    return re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "-", name).lstrip(".")[:80].rstrip(" .") or "run"
+
+
 def new_file(folder: str | os.PathLike[str], name: str) -> Path:
     """Return the file for a new run in a folder, which is made; if there is one, the name gets a number.
 

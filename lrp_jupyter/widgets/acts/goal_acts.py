@@ -37,6 +37,12 @@ def show_attempt(opened: OpenProgram, index: Annotated[int, Between(0, 100_000)]
     return opened.work(partial(_goal(opened).show, opened.session, opened.looking, index))
 
 
+@act(30.0, is_present=True)
+def keep_attempt(opened: OpenProgram, index: Annotated[int, Between(0, 100_000)]) -> Applied:
+    """Repeat a run of the check in the lab, and keep it as an example, which has to meet the challenge."""
+    return opened.work(partial(_goal(opened).keep, opened.session, opened.runs, index))
+
+
 @act(is_present=True)
 def start_over(opened: OpenProgram, world: Annotated[int, Between(-1, 1_000)] = -1) -> Applied:
     """Put the robot back to the start of a world of the challenge (-1: the present one), and run."""

@@ -28,7 +28,9 @@ from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, Solid, World, Zone
 from lrp_jupyter.sim.worlds import load
+from lrp_jupyter.live.stored.run_files import possible_name
 from lrp_jupyter.widgets.views.shown_moment import Looking
+from lrp_jupyter.widgets.views.shown_runs import ShownRuns
 from lrp_jupyter.widgets.wire.protocol import (
     AttemptView,
     CheckView,
@@ -140,6 +142,7 @@ class Goal:
             "check": self._check_view(text),
             "begun": self._begun,
             "trail": self._trail,
+            "keeps": not self.task.live,
         }
 
     def _warning(self, session: Session) -> str:
@@ -258,13 +261,24 @@ class Goal:
         self._wake()
 
     def show(self, session: Session, looking: Looking, index: int) -> None:
-        """Repeat a run of the check in the lab, in virtual time, and look at the moment when it failed."""
+        """Repeat a run of the check in the lab, and look at the moment when it failed."""
+        _, decided = self._repeat(session, index)
+        if decided is not None:
+            looking.look(session, decided)
+
+    def keep(self, session: Session, runs: ShownRuns, index: int) -> None:
+        """Repeat a run of the check in the lab, and keep it: it has to meet the challenge."""
+        job, _ = self._repeat(session, index)
+        runs.keep(session, possible_name(f"{job.world.name}, seed {job.seed}"), f"meets {self.task.name}")
+
+    def _repeat(self, session: Session, index: int) -> tuple[Job, float | None]:
+        """Repeat a run in the lab, in virtual time; return also when it failed, in seconds of the session."""
         bridge, check = _simulated(session), self._check
         made = None if check is None else check.made.get(index)
         if check is None or made is None:
             raise LRPError("This run is no longer known. Check again.")
         if check.text != session.text:
-            raise LRPError("The program has changed since this check. Check again, then show the run.")
+            raise LRPError("The program has changed since this check. Check again first.")
         job = check.jobs[index]
         session.pause()
         self._world = self._world_of(index)
@@ -283,8 +297,7 @@ class Goal:
         self._begin(self._driven(session, begin))
         failure = made.failure
         decided = None if failure is None else failure.decided
-        if decided is not None:
-            looking.look(session, begin + decided)
+        return job, None if decided is None else begin + decided
 
     def _driven(self, session: Session, begin: float) -> list[tuple[float, float, float, str]]:
         """Return the path driven in the present run, with times of the session."""

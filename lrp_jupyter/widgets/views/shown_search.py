@@ -52,12 +52,12 @@ class ShownSearch:
             "busy": search.busy,
             "made": search.made,
             "planned": search.planned,
-            "answer": "" if found is None else str(found),
+            "answer": "" if found is None else found.remarks,
             "changes": []
             if found is None
             else [
                 {"sentence": each.sentence, "line": each.line, "passed": each.passed, "runs": each.runs}
-                for each in found.repairs
+                for each in found.shown
             ],
             "stale": search.text != text,
             "error": search.error,

@@ -446,6 +446,7 @@ class GoalView(TypedDict):
     check: CheckView | None
     begun: int  # how often the robot was put back to its start here
     trail: list[tuple[float, float, float, str]]  # of a run shown then: time, x, y, innermost active state
+    keeps: bool  # whether a run of a check can be an example: not if the program is to be edited meanwhile
 
 
 class KeptRunView(TypedDict):
@@ -499,8 +500,8 @@ class SearchView(TypedDict):
     busy: bool
     made: int  # runs
     planned: int  # runs so far
-    answer: str  # what was found, in sentences; empty before the end
     changes: list[FoundChangeView]  # the best one first
+    answer: str  # what is to be said beside the changes, in sentences; empty before the end
     stale: bool  # the text has changed since
     error: str  # why the search has ended without a result
 
