@@ -27,7 +27,7 @@ _FORMS = (
     ("touches", re.compile(r"never touches(?: `?(?P<name>[^`,]+)`?)?")),
     ("never", re.compile(r"never (?:enters )?`?(?P<name>[\w/]+)`?")),
     ("reaches", re.compile(r"reaches `?(?P<name>[\w/]+)`?(?: within (?P<time>\S+) ?s)?")),
-    ("meets", re.compile(r"meets `?(?P<name>[^`,]+)`?")),
+    ("meets", re.compile(r"meets (?P<name>`[^`]+`|[^`,]+)")),
 )
 
 
@@ -54,7 +54,7 @@ class ExpectedPart(NamedTuple):
                 return f"never enters {self.name}"
             case "touches":
                 return f"never touches {self.name}".rstrip()
-        return f"meets {self.name}"
+        return f"meets `{self.name}`" if "," in self.name else f"meets {self.name}"
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def expectation(text: str) -> Expectation:
     LRPError
         It cannot be read; the message says what can be written.
     """
-    parts = [_part(each.strip()) for each in text.split(",") if each.strip()]
+    parts = [_part(each.strip()) for each in re.findall(r"(?:`[^`]*`|[^,])+", text) if each.strip()]
     return Expectation(tuple(parts)) if parts else Expectation()
 
 
@@ -93,7 +93,9 @@ def _part(text: str) -> ExpectedPart:
         found = form.fullmatch(plain)
         if found is not None:
             given = found.groupdict()
-            return ExpectedPart(kind, (given.get("name") or "").strip(), _seconds(given.get("time"), plain))
+            return ExpectedPart(
+                kind, (given.get("name") or "").strip("` "), _seconds(given.get("time"), plain)
+            )
     raise LRPError(
         f"`{plain}` is not something that can be expected of a run. Write `as recorded`, `reaches STATE`, "
         "`reaches STATE within 30 s`, `never enters STATE`, `never touches`, `meets CHALLENGE`, or several "

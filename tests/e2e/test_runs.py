@@ -96,3 +96,37 @@ def accept_rename_and_remove_it(lab):
     lab.choose("forget-run")
     lab.do("forget-run-now")
     lab.sees(".lrp-runs[data-empty]")
+
+
+LATE = """\
+(machine m
+  (state go (running [robot.move(linear=0.1)]))
+  (state turn (running [robot.move(angular=1)]))
+  (ontime 8000 go -> turn tturn))
+(spawn m go)
+"""
+
+
+def test_the_smallest_change_with_which_a_kept_run_passes_is_found_and_taken(open_lab):
+    lab = open_lab(LATE, "late --world empty")
+    lab.open_tab("runs")
+    lab.do("new-run")
+    lab.until("root => Number(root.dataset.lrpTick) > 100")
+    lab.press('.lrp-timeline [data-lrp-action="keep-run"]')
+    form = lab.find('[aria-label="Keep this run"]')
+    form.get_by_label("Name of the run").fill("lap")
+    form.get_by_label("What is expected of it").fill("reaches m/turn within 2 s")
+    lab.do("keep-run-now")
+    lab.sees(f'{LAP}[data-state="failed"]')
+    lab.press('.lrp-search [data-lrp-action="find-change"]')
+    lab.sees('[data-lrp-action="stop-search"]')
+    lab.reads(".lrp-changes > li:first-child", "instead of 8000 ms (line 4) passes in 1 of 1 runs (now 0).")
+    lab.reads(".lrp-found > p", "Changing linear=0.1 does not help.")
+    axe.finds_nothing_serious(lab)
+    lab.do("line-of-change")
+    lab.sees(".cm-activeLine:has-text('ontime 8000')")
+    lab.do("take-change")
+    lab.sees(f'{LAP}[data-state="passed"]')
+    assert "ontime 8000" not in lab.text
+    lab.sees(".lrp-found[data-stale]")
+    assert lab.find('.lrp-search [data-lrp-action="take-change"]').first.is_hidden()

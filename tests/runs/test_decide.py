@@ -9,6 +9,7 @@ from runs.conftest import LAPS
 
 from lrp_jupyter import repair
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.clock import VirtualClock
@@ -17,7 +18,7 @@ from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import record_again, show_run
 from lrp_jupyter.runs.decide import decide
-from lrp_jupyter.runs.expectation import expectation
+from lrp_jupyter.runs.expectation import ExpectedPart, expectation
 from lrp_jupyter.runs.kept_runs import expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP
 from lrp_jupyter.widgets import registry
@@ -68,6 +69,7 @@ def test_the_first_difference_of_a_run_is_the_one_that_a_replay_reports(keep, te
         ("never touches ball", True, ""),
         ("meets there and back", False, "it never touched the far wall"),
         ("meets first move", True, ""),
+        ("meets `first move`, never touches ball", True, ""),
         ("reaches aside,  never touches ball", True, ""),
         ("reaches aside, never touches", False, "The robot touches the edge"),
     ],
@@ -80,6 +82,13 @@ def test_what_is_expected_of_a_run_is_a_line(keep, line, passed, reason):
     (outcome,) = decide(LAPS.replace("[0.3]", "[0.31]"), [run]).outcomes.values()
     assert (outcome.passed, outcome.problem) == (passed, "")
     assert reason in outcome.reason
+
+
+def test_every_challenge_can_be_named_also_one_with_a_comma_in_its_name():
+    for each in challenges():
+        line = f"{ExpectedPart('meets', each.name)}, never touches"
+        assert expectation(line).challenges == {each.name: each}
+        assert str(expectation(line)) == line
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,8 @@ from threading import Event
 import pytest
 from runs.conftest import LAPS
 
-from lrp_jupyter.grading.challenges import Challenge, register
+import lrp_jupyter.grading.challenges as registry
+from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.criteria import drives, ends_in
 from lrp_jupyter.live.running.commands import Call
 from lrp_jupyter.runs.decide import decide
@@ -130,15 +131,19 @@ def test_what_no_run_has_reached_is_shown_by_the_numbers_of_the_runs(beside):
 SOON = Challenge(
     "home/soon",
     "Reach the end of the room.",
-    (World(name="a/b", size=(3, 2), robots=(RobotSpec((0.5, 1, 0)),), zones={"end": BoxZone((2.5, 1, 1, 1))}),),
+    (
+        World(
+            name="a/b", size=(3, 2), robots=(RobotSpec((0.5, 1, 0)),), zones={"end": BoxZone((2.5, 1, 1, 1))}
+        ),
+    ),
     (drives(1), ends_in("end")),
     8,
     hold=0,
 )
 
 
-def test_a_run_of_a_check_is_kept_and_has_to_meet_the_challenge(beside):
-    register(SOON)
+def test_a_run_of_a_check_is_kept_and_has_to_meet_the_challenge(beside, monkeypatch):
+    monkeypatch.setattr(registry, "_challenges", {SOON.name: SOON})
     goal = beside.lab.connection.goal = Goal(SOON)
     ended = Event()
     goal.attach(beside.session, lambda: goal.view(beside.session, LAPS)["check"]["busy"] or ended.set())

@@ -25,7 +25,7 @@ from lrp_jupyter.live.recording import recording_of
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import begin_run, record_again, show_run
 from lrp_jupyter.runs.decide import decide
-from lrp_jupyter.runs.expectation import AS_RECORDED, expectation
+from lrp_jupyter.runs.expectation import AS_RECORDED, ExpectedPart, expectation
 from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP, RunOutcome, StateEntered
 from lrp_jupyter.widgets.views.shown_moment import Looking
@@ -102,7 +102,7 @@ class ShownRuns:
                 "attached": [shown(each) for each in self.attached],
                 "names": [*self._by_name],
                 "waiting": len(self._runs) - len(self._decided),
-                "expected": f"meets {challenge}" if challenge else AS_RECORDED,
+                "expected": str(ExpectedPart("meets", challenge)) if challenge else AS_RECORDED,
                 "keeps": unkept(session._loop),
                 "coverage": self._coverage,
                 "error": self._error,
