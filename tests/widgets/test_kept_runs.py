@@ -128,18 +128,10 @@ def test_what_no_run_has_reached_is_shown_by_the_numbers_of_the_runs(beside):
     assert coverage["conditions"] == {"laps/on:ahead->aside": "never true"}
 
 
-SOON = Challenge(
-    "home/soon",
-    "Reach the end of the room.",
-    (
-        World(
-            name="a/b", size=(3, 2), robots=(RobotSpec((0.5, 1, 0)),), zones={"end": BoxZone((2.5, 1, 1, 1))}
-        ),
-    ),
-    (drives(1), ends_in("end")),
-    8,
-    hold=0,
+ROOM = World(
+    name="a/b", size=(3, 2), robots=(RobotSpec((0.5, 1, 0)),), zones={"end": BoxZone((2.5, 1, 1, 1))}
 )
+SOON = Challenge("home/soon", "Reach the end.", (ROOM,), (drives(1), ends_in("end")), 8, hold=0)
 
 
 def test_a_run_of_a_check_is_kept_and_has_to_meet_the_challenge(beside, monkeypatch):

@@ -26,10 +26,10 @@ from lrp_jupyter.grading.workers import Halt, HowRun, run_jobs
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.stored.run_files import possible_name
 from lrp_jupyter.runs.expectation import ExpectedPart
 from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, Solid, World, Zone
 from lrp_jupyter.sim.worlds import load
-from lrp_jupyter.live.stored.run_files import possible_name
 from lrp_jupyter.widgets.views.shown_moment import Looking
 from lrp_jupyter.widgets.views.shown_runs import ShownRuns
 from lrp_jupyter.widgets.wire.protocol import (
@@ -270,11 +270,8 @@ class Goal:
     def keep(self, session: Session, runs: ShownRuns, index: int) -> None:
         """Repeat a run of the check in the lab, and keep it: it has to meet the challenge."""
         job, _ = self._repeat(session, index)
-        runs.keep(
-            session,
-            possible_name(f"{job.world.name}, seed {job.seed}"),
-            str(ExpectedPart("meets", self.task.name)),
-        )
+        name = possible_name(f"{job.world.name}, seed {job.seed}")
+        runs.keep(session, name, str(ExpectedPart("meets", self.task.name)))
 
     def _repeat(self, session: Session, index: int) -> tuple[Job, float | None]:
         """Repeat a run in the lab, in virtual time; return also when it failed, in seconds of the session."""
