@@ -159,6 +159,9 @@ class Repairs:
         if self.passed == self.runs:
             yield f"The program passes in all {self.runs} runs as it is."
             return
+        if not (self.complete or self.tried):
+            yield "The search was ended before a change was tried."
+            return
         if not self.repairs:
             now = f"({self.passed} of {self.runs} runs)"
             yield f"No small change was found with which the program passes {now}."

@@ -26,16 +26,31 @@ def hint(lab):
 
 
 def test_two_challenges_are_passed_after_hints_and_a_look_at_a_failed_run(open_lab):
-    lab = open_lab("", 'mine --challenge "square"')  # a cell that has the challenge's own text
+    lab = open_lab("", 'mine --challenge "square" --hints changes')  # a cell that has the challenge's own text
     lab.sees(".lrp-criterion")
+    search_and_keep(lab)
     drive_a_square(lab)
-    see_the_goal_at_every_size(lab)
     lab = lab.notebook.open("", 'other --challenge "stop at the line"')
     lab.sees(".lrp-criterion")
     stop_at_the_line(lab)
     lab = lab.notebook.open("", 'wide --challenge "look left, look right"')
     lab.sees(".lrp-criterion")
     keep_the_head_in_its_panel(lab)
+
+
+def search_and_keep(lab):
+    """Search for a change, but for a moment only, and keep a run of the check."""
+    checked(lab, False)
+    see_the_goal_at_every_size(lab)
+    lab.press('[data-lrp="goal"] [data-lrp-action="find-change"]')
+    lab.sees('[data-lrp="runs"]:not([data-behind])')
+    lab.do("stop-search")
+    lab.reads(".lrp-found > p", "The search was ended before")
+    lab.do("keep-attempt")
+    lab.reads(".lrp-run-expected", "meets square")
+    lab.reads(".lrp-run-reason", "it never reached first corner")
+    lab.do("start-over")
+    lab.ready("running")
 
 
 def drive_a_square(lab):

@@ -85,6 +85,7 @@ export class Layout {
     if (this.panels[name].hidden) this.show(name, true);
     else this.maximise(null);
     this.tabs.choose(name);
+    if (this.element.hasAttribute("data-stacked")) this.panels[name].scrollIntoView({ block: "nearest" });
   }
 
   get arrangement(): Arrangement {

@@ -288,6 +288,7 @@ class Goal:
         session.call(lambda: bridge.load_world(job.world, job.seed))
         session.reset()
         begin = session.frame.time
+        session.step()  # at once: the world would go on until the next tick is due
         for number, (text, seconds) in enumerate(zip(job.texts, job.durations, strict=True)):
             if number or text != session.text:
                 session.edit(text)
