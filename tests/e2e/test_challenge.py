@@ -26,7 +26,7 @@ def hint(lab):
 
 
 def test_two_challenges_are_passed_after_hints_and_a_look_at_a_failed_run(open_lab):
-    lab = open_lab("", 'mine --challenge "square" --hints changes')  # a cell that has the challenge's own text
+    lab = open_lab("", 'mine --challenge "square" --hints changes')  # the challenge has the text
     lab.sees(".lrp-criterion")
     search_and_keep(lab)
     drive_a_square(lab)
