@@ -609,7 +609,7 @@ class Interface:
         if guard.is_on:
             guard.check()
         arguments = command.as_dict() if isinstance(command, Message) else kept(dict(command.arguments))
-        judged = arguments_of(command)
+        judged = arguments if isinstance(command, Message) else arguments_of(command)
         moves = method.sets_in_motion and not _stands(method.path, judged)
         speeds = method.velocity and moves
         stops = safety.stops

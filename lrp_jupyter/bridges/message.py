@@ -245,16 +245,19 @@ def moves(command: object) -> bool:
 
 def stands(command: object) -> bool:
     """Return whether a command has numbers, and all of them are zero; what a text does is unknown."""
-    return {number == 0 for number in _numbers_in(command)} == {True}
+    found = _numbers_in(command)
+    return next(found, 1) == 0 and all(number == 0 for number in found)
 
 
 def _numbers_in(command: object) -> Iterator[float | numbers.Real]:
-    if isinstance(command, (int, float, numbers.Real)):  # the last ones are numpy's
+    if isinstance(command, (int, float)):
         yield command
-    elif isinstance(command, Mapping):
+    elif isinstance(command, (dict, Mapping)):  # the usual one first: the others take long to be told
         for name, each in command.items():
             if name != "header":
                 yield from _numbers_in(each)
     elif isinstance(command, (list, tuple)):
         for each in command:
             yield from _numbers_in(each)
+    elif isinstance(command, numbers.Real):  # numpy's
+        yield command

@@ -27,6 +27,8 @@ from time import monotonic
 from typing import IO, NamedTuple
 
 from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.interpreter.linker import link
+from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.recording import recording_of
 
 FORKS = hasattr(os, "fork")
@@ -45,12 +47,14 @@ class Request(NamedTuple):
 
     `module`: that of the job, of this package: it is imported once for all runs.
     `recording`: the file of the recording that it runs again, which is read once; empty if there is none.
+    `text`: with a recording, the program: it is parsed once for all recordings.
     """
 
     job: bytes
     limit: float
     module: str
     recording: str = ""
+    text: str = ""
 
 
 class Ending(NamedTuple):
@@ -94,8 +98,9 @@ def main() -> None:
     while (request := _next(requests)) is not None:
         if request == NOTHING:  # the run that was not needed any more had already ended
             continue
-        job, limit, module, recording = pickle.loads(request)
+        job, limit, module, recording, text = pickle.loads(request)
         _prepare(module, recording)
+        _parse(text)
         if not FORKS:
             endings.write(_answer(job, limit))
             return
@@ -142,9 +147,19 @@ def _prepare(module: str, recording: str) -> None:
     importlib.import_module(module)
     with suppress(LRPError, OSError, MemoryError):  # the run itself fails in the same way, and says so
         if recording:
-            recording_of(recording)
+            recording_of(recording).start.make_bridge()  # it is not opened, and what it needs is imported
     gc.collect()
     gc.freeze()  # the memory of what does not change is shared with the processes of the runs
+
+
+@lru_cache(maxsize=2)
+def _parse(text: str) -> None:
+    """Have a program parsed and its blocks compiled, of which nothing is run."""
+    if text:
+        program, _ = scan(text)
+        if program is not None:
+            link(program)
+        gc.freeze()
 
 
 def _prctl(option: int, value: int) -> None:

@@ -543,4 +543,5 @@ def _packed(job: RunJob[Result], memory: float) -> Request:
     sendable: Any = job  # every kind of run is a dataclass
     sendable = replace(sendable, namespace=names)
     module = type(job).__module__
-    return Request(cloudpickle.dumps((sendable, memory)), job.limit, module, job.recording)
+    text = job.texts[0] if job.recording else ""  # of a run of this user's own program
+    return Request(cloudpickle.dumps((sendable, memory)), job.limit, module, job.recording, text)

@@ -94,7 +94,7 @@ class Rerun:
         if not self.trusted:
             check_own(recording)
         with session_for(recording, program, self.namespace, remembers=also is not None) as session:
-            watch = RunWatch(session, self.tasks)
+            watch = RunWatch(session, self.expected, self.tasks)
 
             def after_tick() -> bool:
                 if also is not None:

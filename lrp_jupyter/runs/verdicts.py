@@ -28,9 +28,12 @@ from lrp_jupyter.runs.renamed import Names, path_now, renamed
 
 
 class RunWatch:
-    """What is noted of a run: states and commands, what the robot touches, the challenges' criteria."""
+    """What is noted of a run: states and commands, and what else is asked for.
 
-    def __init__(self, session: Session, tasks: Mapping[str, Challenge]) -> None:
+    That is what the robot touches, and the criteria of challenges.
+    """
+
+    def __init__(self, session: Session, expected: Expectation, tasks: Mapping[str, Challenge]) -> None:
         self.happenings: list[Happening] = []
         self.repeated: int | None = None  # how many of them there were when the recording was at its end
         self.commands: list[Happening] = []
@@ -42,6 +45,7 @@ class RunWatch:
         bridge = session.bridge
         self._is_open_loop = isinstance(bridge, RecordedBridge)
         simulated = bridge if isinstance(bridge, SimBridge) else None
+        self._feels = simulated is not None and any(part.kind == "touches" for part in expected.parts)
         self.referees = {name: Referee(task, simulated.world) for name, task in tasks.items() if simulated}
         self._findings = session.check(session.program) if self.referees else ()
 
@@ -60,14 +64,16 @@ class RunWatch:
         """Note what a tick has brought; never ends the run."""
         session = self._session
         bridge = session.bridge
-        if isinstance(bridge, SimBridge):
-            touched = bridge.touched
+        if self._feels and bridge.simulated is not None:
+            touched = bridge.simulated.touched
             for solid in touched - self._touched:
                 self.touches.append((session._loop.timing.now, solid))
             self._touched = touched
-            for name, referee in self.referees.items():
-                if name not in self._decided and referee.see(bridge, session.interpreter, self._findings):
-                    self._decided.add(name)
+        for name, referee in self.referees.items():
+            if name in self._decided or not isinstance(bridge, SimBridge):
+                continue
+            if referee.see(bridge, session.interpreter, self._findings):
+                self._decided.add(name)
         return False
 
 
