@@ -6,6 +6,7 @@ for the page: nothing leaves the browser.
 
 from __future__ import annotations
 
+import asyncio
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -29,10 +30,18 @@ class Opened:
     def __init__(self, connection: PageConnection, send: SendText) -> None:
         self._connection = connection
         self._send = send
+        self._stored = asyncio.Event()
 
     def receive(self, message: str) -> None:
-        """Handle a message of the page, in JSON."""
+        """Handle a message of the page, in JSON; then the page says when what it has changed is `stored`."""
+        self._stored.clear()
+        if self._connection.goal is not None:
+            self._connection.goal.stored = self._stored.wait
         self._connection.receive(self._pass, json.loads(message))
+
+    def stored(self) -> None:
+        """Note that the browser has stored what the last message has changed."""
+        self._stored.set()
 
     def _pass(self, message: Any, buffers: list[bytes] | None) -> None:
         self._send(packed(message), buffers or [])

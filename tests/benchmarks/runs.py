@@ -23,10 +23,13 @@ TEXT = programs.load("follower")
 NOISE = {"motor": 0.1, "light": 5}
 
 
-def record(folder: Path, text: str = TEXT, runs: int = 14, seconds: float = 60.0) -> None:
-    """Keep runs of a program, each with other noise."""
+def record(
+    folder: Path, text: str = TEXT, runs: int = 14, seconds: float = 60.0, exact: bool = False
+) -> None:
+    """Keep runs of a program, each with other noise, or all without."""
+    noise = None if exact else NOISE
     for seed in range(runs):
-        with Session(text, "sim", VirtualClock(), world="line", noise=NOISE, seed=seed) as session:
+        with Session(text, "sim", VirtualClock(), world="line", noise=noise, seed=seed) as session:
             session.run(seconds)
             session.keep(f"run {seed:02}", folder)
 
@@ -78,10 +81,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--edits", type=int, default=20)
     parser.add_argument("--runs", type=int, default=14)
+    parser.add_argument("--exact", action="store_true", help="motors and sensors without noise")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as home:
         folder = Path(home, "follower.runs")
-        record(folder, runs=options.runs)
+        record(folder, runs=options.runs, exact=options.exact)
         size = sum(file.stat().st_size for file in folder.iterdir()) / 1e6
         with Session(TEXT, "sim", world="line", name="follower") as session:
             session.start()

@@ -1,5 +1,6 @@
 """The challenge of an open program: criteria of the present run, checks, hints, runs that are shown."""
 
+import asyncio
 import threading
 from dataclasses import replace
 
@@ -274,3 +275,20 @@ def test_the_commands_of_a_page_reach_the_goal(bench):
     assert page.do("hint").startswith("Press Check first")
     assert page.do("show_attempt", index=0).startswith("This run is no longer known")
     assert page.merged("goal")["name"] == "stay"
+
+
+def test_in_a_browser_a_check_which_may_not_return_waits_until_the_text_is_stored():
+    async def checked():
+        stored, goal = asyncio.Event(), Goal(STAY)
+        with Session(STOP, "sim", world=STAY.worlds[0], rate=STAY.rate, driver="asyncio") as session:
+            goal.attach(session, lambda: None)
+            goal.stored = stored.wait
+            goal.check(session, STOP)
+            for _ in range(20):
+                await asyncio.sleep(0)
+            waiting = goal.view(session, STOP)["check"]
+            stored.set()
+            await goal._task
+            return waiting["done"], goal.view(session, STOP)["check"]["done"]
+
+    assert asyncio.run(checked()) == (0, 2)

@@ -6,6 +6,7 @@ import type { FromWorker, Site, ToWorker } from "./messages";
 
 interface Opened {
   receive(message: string): void;
+  stored(): void;
   shared(): string;
   close(): void;
 }
@@ -57,6 +58,7 @@ async function receive(message: string): Promise<void> {
   held = [];
   opened?.receive(message);
   await store();
+  opened?.stored();
   held.forEach((each) => void post(each));
   held = null;
 }

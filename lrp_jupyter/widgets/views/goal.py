@@ -11,9 +11,10 @@ import math
 import random
 import threading
 import traceback
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import Finding, LRPError, sentence_of
@@ -77,6 +78,8 @@ class Goal:
         self._checked: Program | None = None
         self._findings: tuple[Finding, ...] = ()  # about it
         self._trail: list[tuple[float, float, float, str]] = []
+        self.stored: Callable[[], Awaitable[object]] = partial(asyncio.sleep, _STORING)
+        """Waits until the text is stored, where a check may not return."""
         self._wake: Callable[[], None] = lambda: None
         self._end: Callable[[], None] = lambda: None
 
@@ -204,7 +207,7 @@ class Goal:
     async def _run_here(self, check: _Check) -> None:
         """Make the runs one by one, letting the program run in between."""
         with _ending(check, self._wake):
-            await asyncio.sleep(_STORING)
+            await self.stored()
             for index, job in enumerate(check.jobs):
                 await asyncio.sleep(0.05)
                 if check.halted.done():
