@@ -133,6 +133,8 @@ _PARTS = {
     "sim": "The simulated world",
     "bridges": "Robots",
     "grading": "Grading",
+    "runs": "Kept runs",
+    "repairs": "The smallest change",
     "errors": "Errors",
 }
 

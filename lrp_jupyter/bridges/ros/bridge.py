@@ -470,7 +470,9 @@ class RosBridge(Bridge):
 
     def _contents(self, channel: Channel) -> tuple[object, ...]:
         messages = self._new_messages(channel.wire.variable, channel.arrivals)
-        return tuple(message._content for message in messages)
+        if channel.own != ("data",):  # also values of parameters
+            return tuple(messages)
+        return tuple(message.data for message in messages)
 
     def _link(self) -> TopicLink:
         if self.wiring.link is None:
