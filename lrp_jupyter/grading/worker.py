@@ -33,12 +33,14 @@ from lrp_jupyter.live.recording import recording_of
 
 FORKS = hasattr(os, "fork")
 READY = b"ready\n"
+BEHIND = "--behind"
+"""The argument of a worker that gives way to others."""
 LARGEST = 4_000_000  # bytes of an answer
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _SIZE = ">Q"
-_NICE = 10
+_NICE = 19
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nothing ends them
 
 
@@ -92,7 +94,8 @@ def main() -> None:
     for stream in (0, 1, 2):
         os.dup2(nothing, stream)
     _prctl(_SET_CHILD_SUBREAPER, 1)  # what a run leaves behind becomes a child of this process
-    _give_way()
+    if BEHIND in sys.argv:
+        _give_way()
     endings.write(READY)
     endings.flush()
     while (request := _next(requests)) is not None:

@@ -32,6 +32,7 @@ from lrp_jupyter.grading.attempt import Ended
 from lrp_jupyter.grading.cluster import Cluster
 from lrp_jupyter.grading.sandbox import check_sandbox, in_sandbox
 from lrp_jupyter.grading.worker import (
+    BEHIND,
     FORKS,
     LARGEST,
     LOST,
@@ -117,6 +118,7 @@ class HowRun(NamedTuple):
     `scheduler`: the address of a Dask scheduler whose workers make the runs, or ``"local"``.
     `namespace`: names that blocks can read.
     `sandbox`: whether they are made in a sandbox, without files and network.
+    `behind`: whether they give way to whatever else wants a processor, such as a lab and its robot.
     """
 
     limit: float = 60
@@ -125,6 +127,7 @@ class HowRun(NamedTuple):
     scheduler: str | None = None
     namespace: dict[str, Any] | None = None
     sandbox: bool = False
+    behind: bool = False
 
     def check(self) -> None:
         """Raise a TypeError or ValueError if a number is not one, or too small.
@@ -165,7 +168,11 @@ def run_jobs(
         yield from batch.made_here()
         return
     size = how.processes or processors()
-    crew = _Processors(size, how.sandbox) if how.scheduler is None else Cluster(how.scheduler, answer, size)
+    crew = (
+        _Processors(size, how.sandbox, how.behind)
+        if how.scheduler is None
+        else Cluster(how.scheduler, answer, size)
+    )
     with closing(crew):
         yield from batch.made_by(crew)
 
@@ -261,8 +268,8 @@ class _Processors:
 
     patience = 0.1
 
-    def __init__(self, size: int, sandbox: bool = False) -> None:
-        self.size, self._sandbox = size, sandbox
+    def __init__(self, size: int, sandbox: bool = False, behind: bool = False) -> None:
+        self.size, self._sandbox, self._is_behind = size, sandbox, behind
         self._pool = ThreadPoolExecutor(size, "lrp grading")
         self._busy: set[_Worker] = set()
         self._lock = threading.Lock()  # of those: no other crew has a worker that this one abandons
@@ -276,11 +283,11 @@ class _Processors:
 
         Raises LRPError: a worker cannot be started.
         """
-        idle = _sandboxed if self._sandbox else _idle
+        idle = _sandboxed if self._sandbox else _behind if self._is_behind else _idle
         try:
             worker = idle.pop()
         except IndexError:
-            worker = _Worker(self._sandbox)
+            worker = _Worker(self._sandbox, self._is_behind)
         with self._lock:
             self._busy.add(worker)
         try:
@@ -314,11 +321,12 @@ def answer(request: Request) -> Ending:
 
 _idle: list[_Worker] = []
 _sandboxed: list[_Worker] = []  # idle, too
+_behind: list[_Worker] = []  # idle, and gives way
 
 
 def close_workers() -> None:
     """End the workers that are idle; the next run starts a new one."""
-    for idle in (_idle, _sandboxed):
+    for idle in (_idle, _sandboxed, _behind):
         while idle:
             idle.pop().close()
 
@@ -339,9 +347,9 @@ class _Worker:
     Raises LRPError: it cannot be started.
     """
 
-    def __init__(self, sandbox: bool = False) -> None:
+    def __init__(self, sandbox: bool = False, behind: bool = False) -> None:
         self._mark = secrets.token_hex(8)
-        started = python_of("lrp_jupyter.grading.worker")
+        started = python_of("lrp_jupyter.grading.worker", *([BEHIND] if behind else []))
         started["env"] |= {_MARK: self._mark, "PYTHONHASHSEED": "0"}  # every run orders a set of texts alike
         if sandbox:
             started = in_sandbox(started)

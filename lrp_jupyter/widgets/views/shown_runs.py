@@ -186,7 +186,7 @@ class ShownRuns:
         with self._lock:
             known = self._outcomes
             first = sorted(self._runs, key=lambda run: run.file in known and known[run.file].passed)
-        how = HowRun(limit=_LIMIT, namespace=session.namespace)
+        how = HowRun(limit=_LIMIT, namespace=session.namespace, behind=True)
         decide(program, first, how, told=told, halt=halt)
 
     # -- what a person does: on the worker's thread --------------------------------------------------------

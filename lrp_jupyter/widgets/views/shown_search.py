@@ -17,7 +17,7 @@ from lrp_jupyter.widgets.wire.protocol import SearchView
 
 _SEEDS = 5
 _SECONDS = 60.0  # of computing
-_HOW = HowRun(limit=20)
+_HOW = HowRun(limit=20, behind=True)
 
 
 @dataclass(eq=False)
