@@ -211,17 +211,17 @@ def test_a_reset_starts_it_again_in_the_same_way():
 def test_edits_and_renames_keep_it():
     i = started(NESTED, 2, start="m/a/t")
     i.rename("machine", "m/a/t", "tool")
-    i.rename("state", "m/a", "work")
-    assert (i.start, active(i)) == (("m", "work", "tool"), ["m/work/tool/x"])
+    i.rename("state", "m/a", "busy")
+    assert (i.start, active(i)) == (("m", "busy", "tool"), ["m/busy/tool/x"])
     patch = i.patch(parse(i.program.text.replace("[n = 200]", "[n = 201]").replace("[n = 100]", "")))
-    assert (patch.applied, patch.restarted, active(i)) == (True, False, ["m/work/tool/x"])  # they do not run
+    assert (patch.applied, patch.restarted, active(i)) == (True, False, ["m/busy/tool/x"])  # they do not run
     patch = i.patch(parse(i.program.text.replace("(running [n += k])", "(running [n += 2 * k])")))
     assert (patch.restarted, patch.reason) == (True, "`x` is active and its `running` changed.")
     i.step(1)
-    assert (active(i), i.variables["n"]) == (["m/work/tool/x"], 4)
+    assert (active(i), i.variables["n"]) == (["m/busy/tool/x"], 4)
     i.renew(i.program, 3)
     i.step(3)
-    assert active(i) == ["m/work/tool/x"]
+    assert active(i) == ["m/busy/tool/x"]
 
 
 def test_an_undone_rename_is_undone_for_it_too():
