@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, ClassVar, Literal, NamedTuple, Self, get_args
+from typing import Any, ClassVar, Literal, NamedTuple, get_args
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
@@ -59,7 +59,11 @@ class Job:
 
     def done(self) -> dict[str, Any]:
         """Make the run, and return the plain data of its attempt."""
-        return attempt(self).to_dict()
+        return self.outcome().to_dict()
+
+    def outcome(self, watch: Watch | None = None) -> Attempt:
+        """Make the run; see :func:`attempt`."""
+        return attempt(self, watch)
 
     def made(self, data: Any) -> Attempt:
         """Return the attempt that plain data describes. Raises ValueError: it describes none at this job."""
@@ -73,10 +77,6 @@ class Job:
     def world_name(self) -> str:
         """The name of the world."""
         return self.world.name or "world"
-
-    def named(self, names: Mapping[str, Any]) -> Self:
-        """Return the job with further names that blocks can read."""
-        return replace(self, namespace={**self.namespace, **names})
 
 
 class Attempt(NamedTuple):

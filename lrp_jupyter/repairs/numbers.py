@@ -56,11 +56,14 @@ class Number:
 
 
 class Numbers:
-    """The numbers and comparisons of a program, in the order of its blocks."""
+    """The numbers and comparisons of a program, in the order of its blocks.
 
-    def __init__(self, drawn: DrawnProgram) -> None:
-        self.drawn = drawn
-        self.text = drawn.sheet.text
+    Raises LRPSyntaxError: the text is not a valid program.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.drawn = drawn = DrawnProgram(text)
         self.found: list[Number] = []
         self.comparisons: list[WrittenComparison] = []
         self._links: dict[Span, list[Term]] = {}

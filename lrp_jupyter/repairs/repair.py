@@ -15,18 +15,19 @@ from typing import Any
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import Edit, Finding, LRPError
+from lrp_jupyter.grading.attempt import Job
 from lrp_jupyter.grading.challenges import Challenge, challenge
-from lrp_jupyter.grading.grade import namespace_of, text_of
+from lrp_jupyter.grading.grade import jobs_of, namespace_of, text_of
 from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.workers import Halt, HowRun
 from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.repairs.change import joined
-from lrp_jupyter.repairs.examples import ExamplesJudge, JointJudge
-from lrp_jupyter.repairs.judging import ChallengeJudge, Judge
+from lrp_jupyter.repairs.judging import Judge
 from lrp_jupyter.repairs.search import Progress, Search, SearchResult
 from lrp_jupyter.repairs.structure import KINDS
-from lrp_jupyter.runs.decide import runs_named
+from lrp_jupyter.runs.decide import rerun_of, runs_named
 from lrp_jupyter.runs.kept_runs import KeptRun
+from lrp_jupyter.runs.rerun import Rerun
 
 _SHOWN = 3  # changes in the answer
 _NAMED = 6  # places at which no change helps
@@ -249,15 +250,15 @@ def repaired(
     kept: Sequence[KeptRun] = (),
 ) -> Repairs:
     """Find the smallest changes of a text; see :func:`repair`."""
-    halt, judges = halt or Halt(), list[Judge]()
+    halt, names = halt or Halt(), how.namespace or {}
     findings: Sequence[Finding] = ()
+    jobs: list[Job | Rerun] = []
     if task is not None:
-        of_challenge = ChallengeJudge(task, seeds, how, halt)
-        findings = check(text, how.namespace or (), SimBridge(of_challenge.task.runs[0][0]))
-        judges.append(of_challenge)
-    if kept:
-        judges.append(ExamplesJudge(kept, how, halt))
-    if not judges:
+        seeded, of_challenge = jobs_of(text, task, seeds, how)
+        findings = check(text, names, SimBridge(seeded.runs[0][0]))
+        jobs += of_challenge
+    jobs += [rerun_of(text, run, how, names) for run in kept]
+    if not jobs:
         raise LRPError("There is nothing to judge the program by. Name a challenge, or runs that are kept.")
-    outcome = Search(text, JointJudge(judges), findings, limit, progress, halt).run()
+    outcome = Search(text, Judge(jobs, how, halt), findings, limit, progress, halt).run()
     return Repairs.of("" if task is None else task.name, text, outcome)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
@@ -17,9 +18,10 @@ from lrp_jupyter.errors import Finding
 from lrp_jupyter.grading.workers import Halt
 from lrp_jupyter.repairs.change import Change, Topic
 from lrp_jupyter.repairs.judging import Judge, TrialRun
+from lrp_jupyter.repairs.numbers import Numbers
 from lrp_jupyter.repairs.other_numbers import change_of, distance, doubt_of, nicest, values_of
 from lrp_jupyter.repairs.structure import Structure
-from lrp_jupyter.repairs.witness import Evidence, numbers_in
+from lrp_jupyter.repairs.witness import Evidence
 
 Progress = Callable[[int, int], object]
 """Called with the number of runs that were made, and of those that are planned so far."""
@@ -91,7 +93,7 @@ class Search:
         self._tried: dict[Topic, None] = {}
         self._values: defaultdict[int, set[float]] = defaultdict(set)  # that were tried of a number
         self._doubts: dict[int, float] = {}
-        self.numbers = numbers_in(text)
+        self._numbers = Numbers(text)
 
     def run(self) -> SearchResult:
         """Search."""
@@ -110,7 +112,7 @@ class Search:
 
     def _searched(self, failed: Sequence[int]) -> list[Remedy]:
         first = failed[0]
-        evidence = self._judge.witness(self._text, self.numbers, first)
+        evidence = self._judge.witness(self._numbers, first)
         checks = self._checks(failed)
         return self._helpful(self._changes(evidence), first, checks) or self._helpful(
             self._between(), first, checks
@@ -135,21 +137,21 @@ class Search:
     def _changes(self, evidence: Evidence) -> Iterator[Change]:
         """Yield the changes, the likeliest of each place before the second likeliest of any."""
         found: list[tuple[float, Change]] = []
-        for index in range(len(self.numbers.found)):
-            doubt = self._doubts[index] = doubt_of(self.numbers, index, evidence, self._findings)
-            for rank, value in enumerate(values_of(self.numbers, index, evidence)):
-                found.append((rank - 2 * doubt, change_of(self.numbers, index, value)))
-        for change in Structure(self.numbers, evidence, self._findings).changes():
+        for index in range(len(self._numbers.found)):
+            doubt = self._doubts[index] = doubt_of(self._numbers, index, evidence, self._findings)
+            for rank, value in enumerate(values_of(self._numbers, index, evidence)):
+                found.append((rank - 2 * doubt, change_of(self._numbers, index, value)))
+        for change in Structure(self._numbers, evidence, self._findings).changes():
             found.append((change.size, change))
         yield from (change for _, change in sorted(found, key=lambda each: each[0]))
 
     def _between(self) -> Iterator[Change]:
         """Yield further values of the numbers, between those that were tried."""
-        for index, number in enumerate(self.numbers.found):
+        for index, number in enumerate(self._numbers.found):
             tried = sorted({*self._values[index], *([number.value] if self._values[index] else ())})
             for low, high in pairwise(tried):
                 if low * high > 0 and distance(low, high) > _GAP:
-                    yield change_of(self.numbers, index, nicest(low, high, number.is_delay))
+                    yield change_of(self._numbers, index, nicest(low, high, number.is_delay))
 
     def _promise(self, change: Change) -> float:
         return change.size - (self._doubts[change.topic.number] if change.value is not None else 0.0)
@@ -177,7 +179,7 @@ class Search:
 
     def _in_range(self, index: int, its: Sequence[Change], runs: Sequence[int]) -> list[Remedy]:
         """Return what is best of the values of a number that pass: one in the middle of their range."""
-        number, known = self.numbers.found[index], [each.value for each in its if each.value is not None]
+        number, known = self._numbers.found[index], [each.value for each in its if each.value is not None]
         whole = number.is_delay or (isinstance(number.value, int) and abs(number.value) >= 10)
         nearest = min(known, key=lambda value: distance(number.value, value))
         around = sorted({*self._values[index], number.value})
@@ -192,7 +194,7 @@ class Search:
         width = distance(low, high) if low * high > 0 else 2.0
         best: list[Remedy] = []
         for value in list(dict.fromkeys([nicest(low, high, whole), nearest, *reversed(known)]))[:3]:
-            change = change_of(self.numbers, index, value)
+            change = change_of(self._numbers, index, value)
             passed = self._all(change)
             if passed is not None and (not best or passed > best[0].passed):
                 best = [Remedy(change, passed, size, width, self._doubts[index])]
@@ -212,7 +214,7 @@ class Search:
                 middle = round(middle) if whole else float(f"{middle:.3g}")
                 if middle in (passes, fails):
                     break
-                if self._passing([change_of(self.numbers, index, middle)], runs, 0.95):
+                if self._passing([change_of(self._numbers, index, middle)], runs, 0.95):
                     passes = middle
                 else:
                     fails = middle
@@ -233,11 +235,11 @@ class Search:
         wanted = [each for each in dict.fromkeys(trials) if each not in self._passed]
         self._planned += len(wanted)
         end = self._begin + self._limit * until
-        made = self._judge.outcomes(wanted)
-        for index, passed in made if wanted and perf_counter() < end and not self._halt.done() else ():
-            self._passed[wanted[index]] = passed
-            self._progress(len(self._passed), self._planned)
-            if perf_counter() > end:
-                break
-        getattr(made, "close", lambda: None)()  # which ends the runs that have begun
+        if wanted and perf_counter() < end and not self._halt.done():
+            with closing(self._judge.outcomes(wanted)) as made:  # which ends the runs that have begun
+                for index, passed in made:
+                    self._passed[wanted[index]] = passed
+                    self._progress(len(self._passed), self._planned)
+                    if perf_counter() > end:
+                        break
         self._was_cut |= not self._passed.keys() >= set(wanted)

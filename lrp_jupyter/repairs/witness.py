@@ -6,19 +6,20 @@ return it. It runs in the process of a worker, as every graded run does.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from lrp_jupyter.errors import LRPSyntaxError
-from lrp_jupyter.grading.attempt import Ended, Job, attempt
+from lrp_jupyter.errors import Edit, LRPSyntaxError, edited
+from lrp_jupyter.grading.attempt import Ended, Job
 from lrp_jupyter.interpreter.facts import Fired
-from lrp_jupyter.language.edits.drawing import DrawnProgram
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Span
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.repairs.numbers import Numbers
+from lrp_jupyter.runs.rerun import Rerun
 
 _MOST = 1000  # pairs that are kept of a comparison
 _READ, _SIDE = "lrp_read_number", "lrp_compared_side"
@@ -42,40 +43,45 @@ class Evidence:
     ended: str = ""
 
 
-@dataclass(frozen=True)
-class WitnessJob(Job):
-    """A run that is made to see what a program does; its last text has the calls in it."""
+class _Witness:
+    """A job whose last text has the calls in it, and which returns what they noted."""
 
-    def done(self) -> dict[str, Any]:
+    def done(self: Any) -> dict[str, Any]:
         """Make the run, and return what was noted."""
         notes = RunNotes()
-        made = attempt(self.named(notes.names), notes.watch)
-        return {**notes.plain(), "ended": made.ended}
+        noted = replace(self, namespace={**self.namespace, **notes.names})
+        ended = noted.outcome(notes.watch).ended
+        return {**notes.plain(), "ended": ended}
 
-    def failed(self, ended: Ended, sentence: str, reason: str) -> Evidence:  # type: ignore[override]
+    def failed(self, ended: Ended, sentence: str, reason: str) -> Evidence:
         """Return what is known of a run that did not come to its end: nothing but that."""
         return Evidence(ended=ended)
 
-    def made(self, data: Any) -> Evidence:  # type: ignore[override]
-        """Return what was noted, from plain data that the program may have written."""
-        return evidence_in(data)
+    def made(self, data: Any) -> Evidence:
+        """Return what was noted, from plain data. Raises ValueError: they do not describe that."""
+        try:
+            return Evidence(
+                frozenset(map(int, data["used"])),
+                {
+                    int(key): [(float(left), float(right)) for left, right in pairs]
+                    for key, pairs in data["compared"].items()
+                },
+                frozenset(tuple(map(str, path)) for path in data["fired"]),
+                {tuple(map(str, path)): float(seconds) for path, seconds in data["stayed"]},
+                str(data["ended"]),
+            )
+        except (TypeError, LookupError, AttributeError, OverflowError) as error:
+            raise ValueError("This is no evidence.") from error
 
 
-def evidence_in(data: Any) -> Evidence:
-    """Return what was noted, from plain data. Raises ValueError: they do not describe that."""
-    try:
-        return Evidence(
-            frozenset(map(int, data["used"])),
-            {
-                int(key): [(float(left), float(right)) for left, right in pairs]
-                for key, pairs in data["compared"].items()
-            },
-            frozenset(tuple(map(str, path)) for path in data["fired"]),
-            {tuple(map(str, path)): float(seconds) for path, seconds in data["stayed"]},
-            str(data["ended"]),
-        )
-    except (TypeError, LookupError, AttributeError, OverflowError) as error:
-        raise ValueError("This is no evidence.") from error
+@dataclass(frozen=True)
+class WitnessJob(_Witness, Job):  # type: ignore[misc]
+    """A run of a challenge as a witness."""
+
+
+@dataclass(frozen=True)
+class WitnessRerun(_Witness, Rerun):  # type: ignore[misc]
+    """A kept run as a witness."""
 
 
 class RunNotes:
@@ -138,8 +144,9 @@ def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and abs(value) < 1e12
 
 
-def with_notes(text: str, numbers: Numbers) -> str:
-    """Return a text with the calls in it; the text itself if that would not be a program."""
+def with_notes(numbers: Numbers) -> str:
+    """Return the text of a program with the calls in it; as it is if that would not be a program."""
+    text = numbers.text
     wraps: list[tuple[Span, str, str]] = []
     for index, number in enumerate(numbers.found):
         call = f"{_READ}({index}, "
@@ -160,20 +167,8 @@ def with_notes(text: str, numbers: Numbers) -> str:
 
 def _wrapped(text: str, wraps: Iterable[tuple[Span, str, str]]) -> str:
     """Return a text with something before and after each of some ranges, which may be nested."""
-    pieces: list[tuple[int, int, int, str]] = []
-    for number, (span, before, after) in enumerate(wraps):
-        pieces.append((span.start, 1, -span.end * 10_000 + number, before))
-        pieces.append((span.end, 0, -span.start * 10_000 - number, after))
-    result, done = [], 0
-    for at, _, _, piece in sorted(pieces):
-        result += [text[done:at], piece]
-        done = at
-    return "".join([*result, text[done:]])
-
-
-def numbers_in(text: str) -> Numbers:
-    """Return the numbers of a text.
-
-    Raises LRPSyntaxError: it is not a valid program.
-    """
-    return Numbers(DrawnProgram(text))
+    opened, closed = defaultdict[int, str](str), defaultdict[int, str](str)
+    for span, before, after in sorted(wraps, key=lambda each: (each[0].start, -each[0].end)):
+        opened[span.start] += before
+        closed[span.end] = after + closed[span.end]
+    return edited(text, [Edit(at, at, closed[at] + opened[at]) for at in {*opened, *closed}])

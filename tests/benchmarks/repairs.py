@@ -26,9 +26,9 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenges import BUNDLED, Challenge, challenge
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.language.parser import scan
+from lrp_jupyter.repairs.numbers import Numbers
 from lrp_jupyter.repairs.other_numbers import written
 from lrp_jupyter.repairs.repair import Repairs, repaired
-from lrp_jupyter.repairs.witness import numbers_in
 
 FACTORS = (0.1, 0.5, 2, 10, -1)
 BROKEN = {
@@ -63,7 +63,7 @@ def solutions() -> Iterator[tuple[Challenge, str]]:
 
 def plants(task: Challenge, text: str) -> list[Plant]:
     """Return all plants of a solution."""
-    numbers, found = numbers_in(text), []
+    numbers, found = Numbers(text), []
     for index, number in enumerate(numbers.found):
         for factor in FACTORS:
             new = float(f"{number.value * factor:.6g}")
@@ -95,7 +95,7 @@ def sampled(names: list[str], count: int, sample: int, seeds: int) -> Iterator[P
 
 def place_of(plant: Plant, answer: Repairs) -> tuple[int | None, bool]:
     """Return which answer undoes a plant, counted from 0, and whether it does so closely."""
-    start, end = numbers_in(plant.text).found[plant.index].span
+    start, end = Numbers(plant.text).found[plant.index].span
     for place, each in enumerate(answer.repairs):
         edit = each.changes[0]
         if (edit.start, edit.end) == (start, end):

@@ -1,6 +1,7 @@
 """The smallest change with which a program passes: found by real runs, or said not to be found."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,8 +12,9 @@ from lrp_jupyter.grading.attempt import attempt
 from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.grade import jobs_of
 from lrp_jupyter.grading.workers import Halt
+from lrp_jupyter.repairs.numbers import Numbers
 from lrp_jupyter.repairs.search import Search
-from lrp_jupyter.repairs.witness import Evidence, WitnessJob, numbers_in, with_notes
+from lrp_jupyter.repairs.witness import Evidence, WitnessJob, with_notes
 
 SOLUTIONS = Path(__file__).parents[2] / "notebooks" / "teachers" / "solutions"
 SLOW = "(machine m (state go (running [robot.move(linear=0.02)]))) (spawn m go)"
@@ -81,11 +83,11 @@ def test_a_text_that_is_no_program_is_refused():
 @pytest.mark.parametrize("name", ["square", "bump and turn", "debug the printed listing"])
 def test_a_witness_does_what_the_program_does(name):
     text = (SOLUTIONS / f"{name.replace(' ', '-')}.lrp").read_text("utf-8")
-    noted = with_notes(text, numbers_in(text))
+    noted = with_notes(Numbers(text))
     assert noted != text
     names = {"lrp_read_number": lambda _, value: value, "lrp_compared_side": lambda _, __, value: value}
     runs = [jobs_of(each, name, 1)[1][0] for each in (text, noted)]
-    plain, witness = (attempt(run.named(names)) for run in runs)
+    plain, witness = (attempt(replace(run, namespace=names)) for run in runs)
     assert plain.passed
     assert (witness.path, witness.seconds) == (plain.path, plain.seconds)
 
@@ -105,7 +107,7 @@ NOTHING = {"used": [], "compared": {}, "fired": [], "stayed": [], "ended": ""}
 )
 def test_what_a_program_writes_instead_of_evidence_is_refused(data):
     job = jobs_of(SLOW, "first move", 1)[1][0]
-    witness = WitnessJob(job.texts, job.task, job.world, job.seed, job.limit)
+    witness = WitnessJob(**vars(job))
     assert witness.made(NOTHING) == Evidence()
     with pytest.raises(ValueError, match=r"evidence|invalid literal"):
         witness.made(data)
@@ -124,7 +126,7 @@ class Between:
             number = float(re.search(r":= \[(.*?)\]", trial.text)[1])
             yield index, self._low <= number <= self._high
 
-    def witness(self, text, numbers, run):
+    def witness(self, numbers, run):
         return Evidence()
 
     def group(self, run):
