@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, edited
+from lrp_jupyter.live.why.wording import listed
 
 
 class Topic(NamedTuple):
-    """What a change is about; changes of one number have the same.
-
-    `number`: its place among those of its kind.
-    `what`: in words, after "changing": ``lightlim``.
-    """
+    """What a change is about; changes of one number have the same; `number`: its place among its kind."""
 
     kind: str
     number: int
-    what: str
 
 
 @dataclass(frozen=True)
@@ -27,7 +22,7 @@ class Change:
 
     `phrase`: what it is, as the subject of a sentence: ```lightlim` 121 instead of 128``.
     `size`: how far it is from the program: for a number, how many times it is doubled or halved.
-    `value`: the new number; None if it is no number.
+    `value`: the new number; None if it changes something else.
     """
 
     topic: Topic
@@ -43,17 +38,6 @@ class Change:
 
     @property
     def subject(self) -> str:
-        """The phrase, with the lines."""
-        return f"{self.phrase} ({lines_text(self.lines)})"
-
-
-def lines_text(lines: Sequence[int]) -> str:
-    """Return ``line 7`` or ``lines 7 and 8``."""
-    found = sorted(set(lines))
-    return f"line {found[0]}" if len(found) == 1 else f"lines {joined(map(str, found), 'and')}"
-
-
-def joined(words: Iterable[str], last: str) -> str:
-    """Return words as a list in a sentence: ``a, b or c``."""
-    found = list(words)
-    return found[0] if len(found) == 1 else f"{', '.join(found[:-1])} {last} {found[-1]}"
+        """The phrase, with the lines: ``… (lines 7 and 8)``."""
+        lines = [str(line) for line in sorted(set(self.lines))]
+        return f"{self.phrase} ({'lines' if lines[1:] else 'line'} {listed(lines, 'and')})"

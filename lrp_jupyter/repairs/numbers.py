@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import ast
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from lrp_jupyter.language.blocks.block import read
-from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.checks.scanned import ScannedBlock
 from lrp_jupyter.language.edits.drawing import DrawnProgram
 from lrp_jupyter.language.program import Element, Name, Span
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope
 from lrp_jupyter.language.triggers import Delay
 
 _AMOUNTS = frozenset({"INTEGER", "AMOUNT"})
+_Variable = tuple[Scope, str]
 _LONGEST = 60  # characters of an expression that is shown around a number
 
 
@@ -66,11 +67,10 @@ class Numbers:
         self.drawn = drawn = DrawnProgram(text)
         self.found: list[Number] = []
         self.comparisons: list[WrittenComparison] = []
-        self._links: dict[Span, list[Term]] = {}
-        self._of_variable: dict[tuple[Scope, str], Span] = {}
-        self._reads: dict[tuple[Scope, str], list[Span]] = {}
-        self._linked: dict[tuple[Scope, str], list[Term]] = {}
-        self._awaited: set[tuple[Scope, str]] = set()  # variables that delays name
+        self._links = defaultdict[Span | _Variable, list[Term]](list)
+        self._variables: dict[Span, _Variable] = {}  # of the numbers that initialise one
+        self._reads = defaultdict[_Variable, list[Span]](list)
+        self._awaited: set[_Variable] = set()  # that delays name
         seen: set[Span] = set()
         for place in drawn.names.all_blocks:
             if place.block.span not in seen:
@@ -79,17 +79,17 @@ class Numbers:
         for scope in drawn.names.scopes:
             for arrow in drawn.names.arrows[scope]:
                 self._delays(arrow)
-        named = {span: key for key, span in self._of_variable.items()}
-        for index, number in enumerate(self.found):
-            key = named.get(number.span)
-            if key is None:
-                links = self._links.get(number.span, [])
-                self.found[index] = replace(number, links=tuple(links), is_alone=len(links) == 1)
-                continue
-            is_delay = key in self._awaited
-            reads = () if is_delay else tuple(self._reads.get(key, ()))
-            links = self._linked.get(key, [])
-            self.found[index] = replace(number, links=tuple(links), reads=reads, is_delay=is_delay)
+        self.found = [self._linked(number) for number in self.found]
+
+    def _linked(self, number: Number) -> Number:
+        """Return a number with what all blocks have told of it."""
+        variable = self._variables.get(number.span)
+        if variable is None:
+            links = tuple(self._links[number.span])
+            return replace(number, links=links, is_alone=len(links) == 1)
+        is_delay = variable in self._awaited
+        reads = () if is_delay else tuple(self._reads[variable])
+        return replace(number, links=tuple(self._links[variable]), reads=reads, is_delay=is_delay)
 
     def _delays(self, arrow: Arrow) -> None:
         amounts = [
@@ -106,8 +106,7 @@ class Numbers:
                     self._awaited.add((owner, str(delay.amount)))
             if isinstance(delay.amount, int) and amounts:
                 span = amounts[-1 if delay is arrow.noun.hold else 0]
-                name = str(arrow.noun.name or f"{arrow.noun.source_text} -> {arrow.noun.destination}")
-                number = Number(span, delay.amount, span, arrow.element, name, is_delay=True)
+                number = Number(span, delay.amount, span, arrow.element, called(arrow), is_delay=True)
                 self.found.append(number)
 
     def shown(self, number: Number, text: str) -> str:
@@ -116,9 +115,10 @@ class Numbers:
         whole = self.text[start : number.span.start] + text + self.text[number.span.end : end]
         return whole if len(whole) <= _LONGEST and "\n" not in whole and "`" not in whole else text
 
-    def line(self, number: Number) -> int:
-        """Return the line of a number."""
-        return self.drawn.program.place(number.span.start)[0]
+    def called(self, index: int) -> str:
+        """Return the name of a number, or the expression around it."""
+        number = self.found[index]
+        return f"`{number.name or self.shown(number, self.text[slice(*number.span)])}`"
 
 
 class _NumberReader:
@@ -126,16 +126,14 @@ class _NumberReader:
 
     def __init__(self, numbers: Numbers, place: PlacedBlock) -> None:
         self._to, self._place = numbers, place
-        tree, suite, source, _ = read(place.block.text)
-        self._tree, self._shift, self._offsets = tree, suite.shift, Offsets(source)
+        self._block = ScannedBlock(place.block.text)
 
     def _span(self, node: ast.AST) -> Span:
-        start, end = self._offsets.start_of(node), self._offsets.end_of(node)
-        return self._place.block.at(Span(start + self._shift, end + self._shift))
+        return self._place.block.at(self._block.span(node))
 
     def read(self) -> None:
         start, end = self._place.block.span
-        self._walk(self._tree, Span(start + 1, end - 1))
+        self._walk(self._block.tree, Span(start + 1, end - 1))
 
     def _walk(self, node: ast.AST, shown: Span) -> None:
         if isinstance(node, (ast.JoinedStr, ast.pattern)):
@@ -150,18 +148,18 @@ class _NumberReader:
             return
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in self._place.visible:
             key = self._place.visible[node.id], node.id
-            self._to._reads.setdefault(key, []).append(self._span(node))
+            self._to._reads[key].append(self._span(node))
         for child in _children(node):
             self._walk(child, shown)
 
     def _number(self, node: ast.AST, value: float, shown: Span) -> None:
         place, span, name = self._place, self._span(node), ""
-        body = self._tree.body
+        body = self._block.tree.body
         is_whole = len(body) == 1 and isinstance(body[0], ast.Expr) and body[0].value is node
         if place.purpose == "initialiser" and is_whole:
             name = place.element.path[-1]
             if place.element.kind == "variable":
-                self._to._of_variable[place.scope, name] = span
+                self._to._variables[span] = place.scope, name
         is_delay = place.purpose == "delay" and is_whole
         self._to.found.append(Number(span, value, shown, place.element, name, is_delay))
 
@@ -173,12 +171,15 @@ class _NumberReader:
             self._to.comparisons.append(found)
             for side, towards in ((left, -1), (right, 1)):
                 for sign, term in _terms(side, towards):
-                    if isinstance(term, ast.Name):
-                        if term.id in self._place.visible:
-                            key = self._place.visible[term.id], term.id
-                            self._to._linked.setdefault(key, []).append(Term(index, sign))
-                    else:
-                        self._to._links.setdefault(self._span(term), []).append(Term(index, sign))
+                    if not isinstance(term, ast.Name):
+                        self._to._links[self._span(term)].append(Term(index, sign))
+                    elif term.id in self._place.visible:
+                        self._to._links[self._place.visible[term.id], term.id].append(Term(index, sign))
+
+
+def called(arrow: Arrow) -> str:
+    """Return the name of a transition, or its source and destination."""
+    return str(arrow.noun.name or f"{arrow.noun.source_text} -> {arrow.noun.destination}")
 
 
 def number_of(node: ast.AST) -> float | None:

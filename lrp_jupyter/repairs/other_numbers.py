@@ -56,14 +56,11 @@ def change_of(numbers: Numbers, index: int, value: float) -> Change:
     unit = " ms" if number.is_delay else ""
     if number.name:
         after = " after" if number.element.kind == "transition" else ""
-        what, phrase = f"`{number.name}`", f"`{number.name}`{after} {new}{unit} instead of {old}{unit}"
+        phrase = f"`{number.name}`{after} {new}{unit} instead of {old}{unit}"
     else:
-        shown = numbers.shown(number, new)
-        phrase = f"`{shown}` instead of `{numbers.shown(number, old)}`"
-        what = f"`{numbers.shown(number, old)}`"
-    topic = Topic("number", index, what)
-    edits = (Edit(*number.span, new),)
-    return Change(topic, edits, (numbers.line(number),), phrase, distance(number.value, value), value)
+        phrase = f"`{numbers.shown(number, new)}` instead of {numbers.called(index)}"
+    line, edits = numbers.drawn.program.place(number.span.start)[0], (Edit(*number.span, new),)
+    return Change(Topic("number", index), edits, (line,), phrase, distance(number.value, value), value)
 
 
 def values_of(numbers: Numbers, index: int, evidence: Evidence) -> list[float]:

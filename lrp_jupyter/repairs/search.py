@@ -7,20 +7,21 @@ all runs. Of a number that passes, the range that passes is looked for, to propo
 from __future__ import annotations
 
 import math
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from itertools import pairwise
 from time import perf_counter
+from typing import NamedTuple
 
 from lrp_jupyter.errors import Finding
 from lrp_jupyter.grading.workers import Halt
+from lrp_jupyter.repairs.answer import Repair, Repairs
 from lrp_jupyter.repairs.change import Change, Topic
 from lrp_jupyter.repairs.judging import Judge, TrialRun
 from lrp_jupyter.repairs.numbers import Numbers
 from lrp_jupyter.repairs.other_numbers import change_of, distance, doubt_of, nicest, values_of
-from lrp_jupyter.repairs.structure import Structure
+from lrp_jupyter.repairs.structure import KINDS, Structure
 from lrp_jupyter.repairs.witness import Evidence
 
 Progress = Callable[[int, int], object]
@@ -33,43 +34,17 @@ _STEPS = 3  # to each end of a range
 _GAP = 0.4  # doublings; between values so far apart another one is tried, if nothing has helped
 
 
-@dataclass(frozen=True)
-class Remedy:
-    """A change that helps.
-
-    `passed`: in how many runs.
-    `size`: how far the nearest value that passes is, and `width` the range that does, in doublings.
-    `doubt`: how much the number is to be doubted, in doublings.
-    """
+class Remedy(NamedTuple):
+    """A change that helps, and in how many runs; `cost`: how unlikely it is, in doublings of a number."""
 
     change: Change
     passed: int
-    size: float
-    width: float = 0.0
-    doubt: float = 0.0
+    cost: float
 
     @property
     def rank(self) -> tuple[float, ...]:
-        """What is smaller for a better change: one that passes more runs, and then one that is smaller."""
-        return -self.passed, self.size - self.doubt - 0.3 * min(self.width, 3), self.change.topic.number
-
-
-@dataclass(frozen=True)
-class SearchResult:
-    """What a search has found.
-
-    `before`: how many runs the program passes as it is.
-    `found`: what helps, the best first.
-    `tried`: what was tried.
-    `made`: how many runs were made, and `is_complete` whether everything was tried.
-    """
-
-    before: int
-    runs: int
-    found: tuple[Remedy, ...]
-    tried: tuple[Topic, ...]
-    made: int
-    is_complete: bool
+        """What is smaller for a better change: one that passes more runs, and then one that is likelier."""
+        return -self.passed, self.cost, self.change.topic.number
 
 
 class Search:
@@ -92,23 +67,34 @@ class Search:
         self._was_cut = False
         self._tried: dict[Topic, None] = {}
         self._values: defaultdict[int, set[float]] = defaultdict(set)  # that were tried of a number
-        self._doubts: dict[int, float] = {}
+        self._doubts = defaultdict[Topic, float](float)  # how far each number is to be doubted
         self._numbers = Numbers(text)
 
-    def run(self) -> SearchResult:
+    def run(self) -> Repairs:
         """Search."""
         everything = range(self._judge.runs)
         self._try([TrialRun(self._text, run) for run in everything], math.inf)
         before = self._share(self._text)
         failed = [run for run in everything if not self._passed.get(TrialRun(self._text, run), True)]
-        found: list[Remedy] = []
-        if failed and not self._halt.done():
-            found = self._searched(failed)
+        found = self._searched(failed) if failed and not self._halt.done() else []
         needed = max(before + 1, before + (self._judge.runs - before) // 2)
         found = sorted((each for each in found if each.passed >= needed), key=lambda each: each.rank)
-        return SearchResult(
-            before, self._judge.runs, tuple(found), tuple(self._tried), len(self._passed), not self._was_cut
+        helped = {each.change.topic for each in found}
+        vain = [each.number for each in self._tried if each.kind == "number" and each not in helped]
+        kinds = Counter(each.kind for each in self._tried)
+        return Repairs(
+            tuple(self._repair(each.change, each.passed, before) for each in found),
+            before,
+            self._judge.runs,
+            tuple(dict.fromkeys(map(self._numbers.called, vain))),
+            {words: kinds[kind] for kind, words in KINDS.items() if kinds[kind]},
+            len(self._passed),
+            not self._was_cut,
         )
+
+    def _repair(self, change: Change, passed: int, before: int) -> Repair:
+        line, text = min(change.lines), change.apply(self._text)
+        return Repair(change.subject, line, change.edits, passed, self._judge.runs, before, text)
 
     def _searched(self, failed: Sequence[int]) -> list[Remedy]:
         first = failed[0]
@@ -138,7 +124,9 @@ class Search:
         """Yield the changes, the likeliest of each place before the second likeliest of any."""
         found: list[tuple[float, Change]] = []
         for index in range(len(self._numbers.found)):
-            doubt = self._doubts[index] = doubt_of(self._numbers, index, evidence, self._findings)
+            doubt = self._doubts[Topic("number", index)] = doubt_of(
+                self._numbers, index, evidence, self._findings
+            )
             for rank, value in enumerate(values_of(self._numbers, index, evidence)):
                 found.append((rank - 2 * doubt, change_of(self._numbers, index, value)))
         for change in Structure(self._numbers, evidence, self._findings).changes():
@@ -154,7 +142,7 @@ class Search:
                     yield change_of(self._numbers, index, nicest(low, high, number.is_delay))
 
     def _promise(self, change: Change) -> float:
-        return change.size - (self._doubts[change.topic.number] if change.value is not None else 0.0)
+        return change.size - self._doubts[change.topic]
 
     def _checks(self, failed: Sequence[int]) -> list[int]:
         """Return further failed runs, in other worlds if there are any."""
@@ -183,30 +171,40 @@ class Search:
         whole = number.is_delay or (isinstance(number.value, int) and abs(number.value) >= 10)
         nearest = min(known, key=lambda value: distance(number.value, value))
         around = sorted({*self._values[index], number.value})
-        first = last = around.index(nearest)
-        while first > 0 and around[first - 1] in known:
-            first -= 1
-        while last + 1 < len(around) and around[last + 1] in known:
-            last += 1
-        low = self._edge(index, around[first], around[:first][-1:], runs, whole)
-        high = self._edge(index, around[last], around[last + 1 :][:1], runs, whole)
+        below, above = (
+            [each for each in around if each < nearest],
+            [each for each in around if each > nearest],
+        )
+        low, high = (
+            self._edge(index, nearest, each, known, runs, whole) for each in (reversed(below), above)
+        )
         size = min(distance(number.value, each) for each in (low, high, *known))
         width = distance(low, high) if low * high > 0 else 2.0
+        cost = size - self._doubts[its[0].topic] - 0.3 * min(width, 3)
         best: list[Remedy] = []
         for value in list(dict.fromkeys([nicest(low, high, whole), nearest, *reversed(known)]))[:3]:
             change = change_of(self._numbers, index, value)
             passed = self._all(change)
             if passed is not None and (not best or passed > best[0].passed):
-                best = [Remedy(change, passed, size, width, self._doubts[index])]
+                best = [Remedy(change, passed, cost)]
             if passed == self._judge.runs:
                 break
         return best
 
     def _edge(
-        self, index: int, passes: float, beyond: Sequence[float], runs: Sequence[int], whole: bool
+        self,
+        index: int,
+        passes: float,
+        others: Iterable[float],
+        known: Sequence[float],
+        runs: Sequence[int],
+        whole: bool,
     ) -> float:
-        """Return the last value towards the one beyond, which fails, that still passes, in a few steps."""
-        for fails in beyond:
+        """Return the last value that passes before others fail: one that is known, or a few steps beyond."""
+        for fails in others:
+            if fails in known:
+                passes = fails
+                continue
             for _ in range(_STEPS):
                 middle = (passes + fails) / 2
                 if passes * fails > 0:
@@ -218,6 +216,7 @@ class Search:
                     passes = middle
                 else:
                     fails = middle
+            break
         return passes
 
     def _all(self, change: Change) -> int | None:

@@ -1,4 +1,4 @@
-"""Changes of a program that are no numbers: orders, sources, moments, comparisons, and what is left out."""
+"""Changes of a program other than numbers: orders, sources, moments, comparisons, and what is left out."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from collections.abc import Iterable, Iterator
 from itertools import chain, combinations
 
 from lrp_jupyter.errors import Edit, Finding
-from lrp_jupyter.language.blocks.block import read
-from lrp_jupyter.language.blocks.names_in_blocks import Offsets
+from lrp_jupyter.language.checks.scanned import ScannedBlock
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Block, Span, State
+from lrp_jupyter.language.program import Block, State
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock
 from lrp_jupyter.repairs.change import Change, Topic
-from lrp_jupyter.repairs.numbers import Numbers
+from lrp_jupyter.repairs.numbers import Numbers, called
 from lrp_jupyter.repairs.witness import Evidence
 
 _SIZES = {
@@ -72,11 +71,11 @@ class Structure:
                 yield change
 
     def _change(
-        self, kind: str, phrase: str, what: str, edits: Iterable[Edit], more: float = 0.0, line: int = 0
+        self, kind: str, phrase: str, edits: Iterable[Edit], more: float = 0.0, line: int = 0
     ) -> Change:
         self._count += 1
         lines = (line,) if line else tuple(self._line(edit.start) for edit in edits)
-        return Change(Topic(kind, self._count, what), tuple(edits), lines, phrase, _SIZES[kind] + more)
+        return Change(Topic(kind, self._count), tuple(edits), lines, phrase, _SIZES[kind] + more)
 
     def _line(self, offset: int) -> int:
         return self._drawn.program.place(offset)[0]
@@ -85,7 +84,7 @@ class Structure:
         for finding in self._findings:
             for fix in filter(None, (finding.fix, finding.creates)):
                 phrase = f"The proposal to {fix.title[:1].lower()}{fix.title[1:]}"
-                yield self._change("fix", phrase, finding.message, fix.edits, line=finding.line)
+                yield self._change("fix", phrase, fix.edits, line=finding.line)
 
     def _orders(self) -> Iterator[Change]:
         """Yield transitions that fired, each swapped with a later one that leaves a common state."""
@@ -94,8 +93,8 @@ class Structure:
                 one, other = first.noun.span, second.noun.span
                 if first.element.path in self._evidence.fired and _share_a_source(first, second):
                     edits = [Edit(*one, self._text[slice(*other)]), Edit(*other, self._text[slice(*one)])]
-                    what = f"{_called(first)} and {_called(second)}"
-                    yield self._change("order", f"Swapping {what}", what, edits, 0.2 * (later - place - 1))
+                    phrase = f"Swapping {_called(first)} and {_called(second)}"
+                    yield self._change("order", phrase, edits, 0.2 * (later - place - 1))
 
     def _moments(self) -> Iterator[Change]:
         """Yield each action of a state at another moment: a command in `running`, others also elsewhere."""
@@ -130,7 +129,7 @@ class Structure:
                 edits = sorted([gone, new])
             shown = f"`{text}`" if len(text) <= 60 and "\n" not in text else "the action"
             phrase = f"{shown} in `{other}` instead of `{kind}` of `{state.name}`"
-            yield self._change("moment", phrase, f"the moment of {shown}", edits, 0.2 * (other != "running"))
+            yield self._change("moment", phrase, edits, 0.2 * (other != "running"))
 
     def _sources(self) -> Iterator[Change]:
         """Yield transitions that leave one state more, one less, or another one."""
@@ -141,7 +140,7 @@ class Structure:
                         lacks = sum(_are_alike(each, arrow) for each in arrows) > 1
                         for phrase, source, more in self._other_sources(arrow, name, -0.3 * lacks):
                             edit = Edit(*self._drawn.written(arrow).source, source)
-                            yield self._change("source", phrase, _called(arrow), [edit], more)
+                            yield self._change("source", phrase, [edit], more)
 
     def _other_sources(self, arrow: Arrow, name: str, more: float) -> Iterator[tuple[str, str, float]]:
         """Yield words for another source of a transition, its text, and how much further it is."""
@@ -167,7 +166,7 @@ class Structure:
                 changed = between.replace(old, new)
                 phrase = f"`{one}{changed}{two}` instead of `{one}{between}{two}`"
                 edit = Edit(left.end, right.start, changed)
-                yield self._change("comparison", phrase, f"`{one}{between}{two}`", [edit])
+                yield self._change("comparison", phrase, [edit])
 
     def _parts(self) -> Iterator[Change]:
         """Yield conditions without one operand of `and` or `or`."""
@@ -176,27 +175,21 @@ class Structure:
                 yield from self._operands(place)
 
     def _operands(self, place: PlacedBlock) -> Iterator[Change]:
-        tree, suite, source, _ = read(place.block.text)
-        offsets = Offsets(source)
-        for node in ast.walk(tree):
-            if not isinstance(node, ast.BoolOp):
-                continue
-            for index, operand in enumerate(node.values):
-                start, end = offsets.start_of(operand), offsets.end_of(operand)
-                shown = source[start:end]
-                if index:
-                    start = offsets.end_of(node.values[index - 1])
-                else:
-                    end = offsets.start_of(node.values[1])
-                span = place.block.at(Span(start + suite.shift, end + suite.shift))
-                yield self._change("part", f"Leaving out `{shown}`", f"`{shown}`", [Edit(*span, "")])
+        block = ScannedBlock(place.block.text)
+        for node in block.nodes:
+            spans = map(block.span, node.values) if isinstance(node, ast.BoolOp) else ()
+            parts = [place.block.at(span) for span in spans]
+            for index, (start, end) in enumerate(parts):
+                phrase = f"Leaving out `{self._text[start:end]}`"
+                gone = Edit(parts[index - 1].end, end, "") if index else Edit(start, parts[1].start, "")
+                yield self._change("part", phrase, [gone])
 
     def _removals(self) -> Iterator[Change]:
         for arrow in chain.from_iterable(self._drawn.names.arrows.values()):
             if arrow.element.path in self._evidence.fired:
-                form, called = self._drawn.written(arrow).form, _called(arrow)
+                form, phrase = self._drawn.written(arrow).form, f"Leaving out {_called(arrow)}"
                 edits, line = self._drawn.sheet.removed([form]), self._line(form.start)
-                yield self._change("transition", f"Leaving out {called}", called, edits, line=line)
+                yield self._change("transition", phrase, edits, line=line)
 
 
 def _share_a_source(first: Arrow, second: Arrow) -> bool:
@@ -210,4 +203,4 @@ def _are_alike(first: Arrow, second: Arrow) -> bool:
 
 
 def _called(arrow: Arrow) -> str:
-    return f"`{arrow.noun.name or f'{arrow.noun.source_text} -> {arrow.noun.destination}'}`"
+    return f"`{called(arrow)}`"

@@ -26,9 +26,10 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenges import BUNDLED, Challenge, challenge
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.language.parser import scan
+from lrp_jupyter.repairs.answer import Repairs
 from lrp_jupyter.repairs.numbers import Numbers
 from lrp_jupyter.repairs.other_numbers import written
-from lrp_jupyter.repairs.repair import Repairs, repaired
+from lrp_jupyter.repairs.repair import repaired
 
 FACTORS = (0.1, 0.5, 2, 10, -1)
 BROKEN = {

@@ -145,7 +145,7 @@ class Between:
     ],
 )
 def test_the_proposed_number_is_round_and_well_inside_the_range_that_passes(now, low, high):
-    found = Search(f"(var v := [{now}])", Between(low, high)).run().found
-    value = found[0].change.value
+    found = Search(f"(var v := [{now}])", Between(low, high)).run().repairs
+    value = float(found[0].changes[0].text)
     assert low + 0.1 * (high - low) <= value <= high - 0.1 * (high - low)
     assert len(f"{value:g}".strip("0.")) <= 2

@@ -11,7 +11,8 @@ from lrp_jupyter.errors import LRPError, sentence_of
 from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.workers import Halt, HowRun
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.repairs.repair import Repairs, repaired
+from lrp_jupyter.repairs.answer import Repairs
+from lrp_jupyter.repairs.repair import repaired
 from lrp_jupyter.runs.kept_runs import KeptRun
 from lrp_jupyter.widgets.wire.protocol import SearchView
 
