@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree
@@ -33,17 +34,17 @@ def decide_runs(
     if program is None:
         print_findings(source.name, source.text, findings)
         return 1
-    wanted = kept_runs(runs or [_beside(name)])
+    places: Sequence[str | Path] = runs or [_beside(name)]
+    wanted = kept_runs(places)
     if not wanted:
-        raise FileError(f"There is no recording in {', '.join(f'`{shown(each)}`' for each in runs)}.")
-    console, made, printed = plain_console(), dict[KeptRun, RunOutcome](), 0
+        raise FileError(f"There is no recording in {', '.join(f'`{shown(each)}`' for each in places)}.")
+    console, made, waiting = plain_console(), dict[KeptRun, RunOutcome](), deque(wanted)
 
     def told(run: KeptRun, outcome: RunOutcome) -> None:
-        nonlocal printed
         made[run] = outcome
-        while printed < len(wanted) and (next_one := wanted[printed]) in made:
-            console.print(Text(line_of(next_one, made[next_one])))
-            printed += 1
+        while waiting and waiting[0] in made:
+            first = waiting.popleft()
+            console.print(Text(line_of(first, made[first])))
 
     decisions = decide(program, wanted, how, trusted=trusted, told=told)
     good = sum(outcome.passed for outcome in decisions.outcomes.values())

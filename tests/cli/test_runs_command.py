@@ -3,6 +3,7 @@
 import gzip
 import os
 import shutil
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -27,7 +28,9 @@ def beside(kept, tmp_path, program, monkeypatch):
     """The present folder: a program, and the folder of its runs."""
     monkeypatch.chdir(tmp_path)
     program(LAPS, "laps.lrp")
+    program(LAPS, "empty.lrp")
     shutil.copytree(kept.parent, "laps.runs")
+    Path("empty.runs").mkdir()
     return tmp_path
 
 
@@ -42,6 +45,7 @@ def beside(kept, tmp_path, program, monkeypatch):
         (LAPS, ["laps.lrp", "--coverage"], 0, ["Reached: 2 of 3 states", "Never entered: `laps/away`."]),
         ("(machine", ["laps.lrp"], 1, ["error LRP"]),
         (LAPS, ["-"], 2, ["No runs are kept beside the standard input. Name a folder of runs"]),
+        (LAPS, ["empty.lrp"], 2, ["There is no recording in `empty.runs`."]),
         (LAPS, ["laps.lrp", "nowhere"], 2, ["`nowhere` does not exist."]),
         (LAPS, ["nothing.lrp", "laps.runs"], 2, ["`nothing.lrp` is neither"]),
         (LAPS, ["follower"], 2, ["there is no folder `follower.runs`"]),
