@@ -113,13 +113,13 @@ def grade_files(
         raise FileError(submissions[0].problem)
     if alone:
         marks = grade_class(submissions, task, seeds, how)
-        marks = _repaired(marks, seeds, how) if repair else marks
-        _explain(marks)
     else:
         with shown_progress("grading", lines=True) as progress:
             marks = grade_class(submissions, task, seeds, how, progress)
-        marks = _repaired(marks, seeds, how) if repair else marks
-        _list(marks)
+    if repair:
+        with shown_progress("trying changes") as progress:
+            marks = with_repairs(marks, seeds, how, progress)
+    (_explain if alone else _list)(marks)
     fewer = [each for each in marks.tasks if seeds is not None and seeds < each.count]
     if fewer:
         plain_console().print(f"Note: {_said(fewer)}, and with {seeds} a program may pass by luck.")
@@ -127,11 +127,6 @@ def grade_files(
         if not alone or not line.startswith("written"):
             plain_console().print(line)
     return _code(marks.attempts) or int(alone and not all(mark.grade.passed for mark in marks.marks))
-
-
-def _repaired(marks: Marks, seeds: int | None, how: HowRun) -> Marks:
-    with shown_progress("trying changes") as progress:
-        return with_repairs(marks, seeds, how, progress)
 
 
 def _said(tasks: Sequence[Challenge]) -> str:

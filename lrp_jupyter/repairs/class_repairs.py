@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 from lrp_jupyter.grading.marks import Mark, Marks
 from lrp_jupyter.grading.workers import HowRun
@@ -21,26 +22,18 @@ def with_repairs(
     Notes of a grade are for teachers: the pages for students do not show them.
     """
     tasks = {task.name: task.whole() for task in marks.tasks}
-    wanted = {_key(mark): None for mark in marks.marks if _is_off(mark)}
-    said: dict[tuple[str, str], str] = {}
-    for text, name in wanted:
+
+    @cache
+    def sentence(text: str, name: str) -> str:
         task = tasks[name]
-        repairs = repaired(text, task, task.count if seeds is None else seeds, how, BUDGET, progress)
-        said[text, name] = repairs.first_sentence
-    return replace(
-        marks, marks=tuple(_noted(mark, said[_key(mark)]) if _is_off(mark) else mark for mark in marks.marks)
-    )
+        wanted = task.count if seeds is None else seeds
+        return repaired(text, task, wanted, how, BUDGET, progress).first_sentence
 
+    def noted(mark: Mark) -> Mark:
+        text, grade = mark.submission.text, mark.grade
+        if not text or not grade.attempts or grade.passed or grade.attempts[-1].ended:
+            return mark  # it passed, or did not run to its end
+        notes = (*grade.notes, sentence(text, grade.challenge))
+        return mark._replace(grade=replace(grade, notes=notes))
 
-def _key(mark: Mark) -> tuple[str, str]:
-    return mark.submission.text or "", mark.grade.challenge
-
-
-def _is_off(mark: Mark) -> bool:
-    """Return whether a submission runs to its end, and does not pass."""
-    attempts = mark.grade.attempts
-    return bool(mark.submission.text) and bool(attempts) and not mark.grade.passed and not attempts[-1].ended
-
-
-def _noted(mark: Mark, sentence: str) -> Mark:
-    return mark._replace(grade=replace(mark.grade, notes=(*mark.grade.notes, sentence)))
+    return replace(marks, marks=tuple(map(noted, marks.marks)))
