@@ -118,16 +118,17 @@ def _is_far(numbers: Numbers, number: Number, evidence: Evidence) -> bool:
     return max(stays, default=0) * 1000 < number.value / 2
 
 
+def _results(numbers: Numbers, comparison: int, evidence: Evidence, moved: float = 0.0) -> list[bool]:
+    """Return the results of a comparison, if its right side had been greater; none if they are not known."""
+    compare = _COMPARED.get(numbers.comparisons[comparison].operator)
+    pairs = evidence.compared.get(comparison, ())
+    return [compare(left, right + moved) for left, right in pairs] if compare else []
+
+
 def _is_constant(numbers: Numbers, number: Number, evidence: Evidence) -> bool:
     """Return whether the comparisons in which a number is had one result each, though more was compared."""
-    results = []
-    for comparison, _ in number.links:
-        compare = _COMPARED.get(numbers.comparisons[comparison].operator)
-        pairs = evidence.compared.get(comparison, [])
-        if compare is None or len(pairs) < 2:
-            return False
-        results.append(len({compare(*pair) for pair in pairs}) == 1)
-    return bool(results) and all(results)
+    results = [_results(numbers, comparison, evidence) for comparison, _ in number.links]
+    return bool(results) and all(len(each) > 1 and len(set(each)) == 1 for each in results)
 
 
 def _by_factors(number: Number) -> Iterator[float]:
@@ -140,15 +141,13 @@ def _by_factors(number: Number) -> Iterator[float]:
         yield from (value * factor for factor in _FACTORS)
 
 
-def _gaps(number: Number, evidence: Evidence) -> Iterator[float]:
-    """Yield by how much the number would have to grow for the sides of its comparisons to be equal."""
-    for comparison, sign in number.links:
-        yield from (sign * (left - right) for left, right in evidence.compared.get(comparison, ()))
-
-
 def _beside_what_was_seen(number: Number, evidence: Evidence) -> list[float]:
-    """Return values in the middle of what the number was compared with, then towards its ends, and beyond."""
-    seen = sorted({number.value + gap for gap in _gaps(number, evidence)})
+    """Return values in the middle of what the number was compared with, then towards its ends, and beyond.
+
+    Each is the value with which the two sides that were compared would have been equal.
+    """
+    pairs = ((sign, each) for place, sign in number.links for each in evidence.compared.get(place, ()))
+    seen = sorted({number.value + sign * (left - right) for sign, (left, right) in pairs})
     if not seen:
         return []
     margin = max(0.02 * (seen[-1] - seen[0]), 0.01 * abs(seen[-1]), 0.01)
@@ -169,12 +168,9 @@ def _differs(numbers: Numbers, number: Number, value: float, evidence: Evidence)
     if not number.is_alone or not evidence.used:
         return True
     comparison, sign = number.links[0]
-    compare = _COMPARED.get(numbers.comparisons[comparison].operator)
+    before = _results(numbers, comparison, evidence)
     moved = sign * (value - number.value)
-    pairs = evidence.compared.get(comparison, [])
-    if compare is None or not pairs:
-        return True
-    return any(compare(left, right) != compare(left, right + moved) for left, right in pairs)
+    return not before or before != _results(numbers, comparison, evidence, moved)
 
 
 def nicest(low: float, high: float, is_whole: bool) -> float:

@@ -59,12 +59,11 @@ class Structure:
 
     def changes(self) -> Iterator[Change]:
         """Yield the changes that leave a valid program."""
-        kinds = (
-            *(self._fixes, self._orders, self._moments, self._sources),
-            *(self._comparisons, self._parts, self._removals),
-        )
         known = {self._text}
-        for change in chain.from_iterable(kind() for kind in kinds):
+        for change in chain(
+            *(self._fixes(), self._orders(), self._moments(), self._sources()),
+            *(self._comparisons(), self._parts(), self._removals()),
+        ):
             text = change.apply(self._text)
             if text not in known and scan(text)[0] is not None:
                 known.add(text)
