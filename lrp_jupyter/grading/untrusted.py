@@ -13,14 +13,14 @@ _LONGEST = 10_000  # characters of a text
 def text_in(value: object) -> str:
     """Return a text without what a terminal obeys and no file can hold."""
     if not isinstance(value, str):
-        raise TypeError("This is something else than a text.")
+        raise TypeError("This is not a text.")
     return printable(value[:_LONGEST], "\n\t")
 
 
 def number_in(value: Any, *kinds: type) -> Any:
     """Return a number that can be shown; by default of either kind."""
     if type(value) not in (kinds or (int, float)) or not -1e15 < value < 1e15:
-        raise TypeError("This is something else than a number that can be shown.")
+        raise TypeError("This is not a number that can be shown.")
     return value
 
 

@@ -58,13 +58,13 @@ class Repairs:
     passed, runs : int
         How many runs the program passes as it is, and how many there are.
     unhelpful : tuple of str
-        The numbers that no other value of which helps.
+        The numbers of which no other value helps.
     tried : mapping of str to int
         How many places were tried, by the kind of change in words.
     made : int
         How many runs were made for this.
     complete : bool
-        Whether everything was tried, or the time was over before.
+        Whether everything was tried before the time was over.
     """
 
     repairs: tuple[Repair, ...]
@@ -97,25 +97,23 @@ class Repairs:
         return " ".join(self._sentences())
 
     def _sentences(self) -> Iterator[str]:
-        for each in self.repairs[:1]:
-            yield each.sentence
-        for each in self.shown[1:]:
-            yield f"{each.phrase} does, too: {each.passed} of {each.runs}."
+        for place, each in enumerate(self.shown):
+            yield f"{each.phrase} also passes in {each.passed} of them." if place else each.sentence
         yield from self._remarks()
 
     def _remarks(self) -> Iterator[str]:
         if self.passed == self.runs:
-            yield f"The program passes in all {self.runs} runs as it is."
+            yield f"The program passes as it is ({self.passed} of {self.runs} runs)."
             return
         if not (self.complete or self.tried):
-            yield "The search was ended before a change was tried."
+            yield "The search ended before any change had been tried."
             return
         if not self.repairs:
-            now = f"({self.passed} of {self.runs} runs)"
-            yield f"No small change was found with which the program passes {now}."
-            kinds = listed([*self.tried], "and") if self.tried else "nothing"
-            yield f"Tried were {kinds}, in {self.made} runs."
+            now = f"(now {self.passed} of {self.runs} runs)"
+            yield f"No small change was found that makes the program pass {now}."
+            kinds = listed([*self.tried], "and")
+            yield f"Tried in {self.made} runs: {kinds}." if kinds else "There was nothing to try."
         elif self.unhelpful:
-            yield f"Changing {listed([*self.unhelpful[:_NAMED]], 'or')} does not help."
+            yield f"Changing {listed([*self.unhelpful[:_NAMED]], 'or')} did not help."
         if not self.complete:
-            yield "The search was ended before everything was tried."
+            yield "The search ended before everything had been tried."

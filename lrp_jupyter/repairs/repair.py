@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import nullcontext
 from types import NoneType
 from typing import Any
 
@@ -87,10 +88,8 @@ def repair(
     names = namespace_of(program) if namespace is None else namespace
     how = HowRun(min(20.0, limit), namespace=names)
     kept, text = runs_named(runs), text_of(program)
-    if progress is not None:
-        return repaired(text, task, seeds, how, limit, progress, halt, kept)
-    with shown_progress("repair") as shown:
-        return repaired(text, task, seeds, how, limit, shown, halt, kept)
+    with shown_progress("repair") if progress is None else nullcontext(progress) as told:
+        return repaired(text, task, seeds, how, limit, told, halt, kept)
 
 
 def repaired(
@@ -113,5 +112,5 @@ def repaired(
         jobs += of_challenge
     jobs += [rerun_of(text, run, how, names) for run in kept]
     if not jobs:
-        raise LRPError("There is nothing to judge the program by. Name a challenge, or runs that are kept.")
+        raise LRPError("There is nothing to judge the program by. Name a challenge or kept runs.")
     return Search(text, Judge(jobs, how, halt), findings, limit, progress, halt).run()

@@ -71,7 +71,7 @@ class _Witness:
                 str(data["ended"]),
             )
         except (TypeError, LookupError, AttributeError, OverflowError) as error:
-            raise ValueError("This is no evidence.") from error
+            raise ValueError("This is not evidence of a run.") from error
 
 
 @dataclass(frozen=True)

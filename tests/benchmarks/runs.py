@@ -1,4 +1,4 @@
-"""How soon kept runs are decided about after an edit: ``python tests/benchmarks/runs.py``.
+"""How soon kept runs are judged after an edit: ``python tests/benchmarks/runs.py``.
 
 Fourteen recorded minutes of the line follower, each with other noise, on all processors. Beside them a
 session runs as in a lab, with and without the runs, and says how late its ticks come.
@@ -47,7 +47,7 @@ class Decided:
         runs.attach(self._news.set)
 
     def wait(self, session: Session) -> tuple[float, float]:
-        """Return the seconds until the first, and until the last of the runs is decided about."""
+        """Return the seconds until the first of the runs is judged, and until the last is."""
         start, first = perf_counter(), 0.0
         while True:
             view = self._runs.view(session)
@@ -95,12 +95,12 @@ def main() -> None:
             cold = decided.wait(session)
             print(f"{options.runs} recorded minutes, {size:.1f} MB\n")
             print("| what | median | 95th percentile | |\n|---|---:|---:|---|")
-            row("the first time, when the processes start, until all are decided about", [cold[1]], "s")
+            row("the first time, when the processes start, until all are judged", [cold[1]], "s")
             both = []
             for number in range(options.edits):
                 session.edit(edited(number % 5))
                 both.append(decided.wait(session))
-            row("after an edit, until the first is decided about", [first for first, _ in both], "s")
+            row("after an edit, until the first is judged", [first for first, _ in both], "s")
             row("after an edit, until all are", [last for _, last in both], "s")
             stop = threading.Event()
 
@@ -118,7 +118,7 @@ def main() -> None:
             typing.join()
             row("ticks of the session, alone: too early or too late by", alone, "ms")
             row(
-                "the same while the program is edited, and the runs decided about, three times a second",
+                "the same while the program is edited, and the runs judged, three times a second",
                 beside,
                 "ms",
             )

@@ -45,7 +45,7 @@ def search_and_keep(lab):
     lab.press('[data-lrp="goal"] [data-lrp-action="find-change"]')
     lab.sees('[data-lrp="runs"]:not([data-behind])')
     lab.do("stop-search")
-    lab.reads(".lrp-found > p", "The search was ended before")
+    lab.reads(".lrp-found > p", "The search ended before")
     lab.do("keep-attempt")
     lab.reads(".lrp-run-expected", "meets square")
     lab.reads(".lrp-run-reason", "it never reached first corner")

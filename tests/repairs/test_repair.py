@@ -49,11 +49,12 @@ def test_a_planted_number_is_found_and_a_round_one_is_proposed():
 def test_where_no_small_change_helps_this_is_said_with_what_was_tried():
     found = repair(IDLE, "first move", seeds=1)
     assert not found
-    assert str(found).startswith("No small change was found with which the program passes (0 of 1 runs).")
+    assert "There was nothing to try." in str(found)
+    assert str(found).startswith("No small change was found that makes the program pass (now 0 of 1 runs).")
     tried = repair(SLOW.replace("linear", "angular"), "first move", seeds=1)
-    assert "Tried were other numbers, in" in str(tried)
+    assert "runs: other numbers" in str(tried)
     passing = repair(SLOW.replace("0.02", "0.2"), "first move", seeds=1)
-    assert str(passing) == "The program passes in all 1 runs as it is."
+    assert str(passing) == "The program passes as it is (1 of 1 runs)."
 
 
 def test_it_can_be_stopped_and_says_so():
@@ -66,7 +67,7 @@ def test_it_can_be_stopped_and_says_so():
 
     found = repair(starter("robot 3"), "robot 3", seeds=2, progress=progress, halt=halt)
     assert found.made < 20
-    assert str(found).endswith("The search was ended before everything was tried.")
+    assert str(found).endswith("The search ended before everything had been tried.")
     assert all(done <= of for done, of in counts)
 
 
