@@ -135,9 +135,9 @@ class Search:
 
     def _between(self) -> Iterator[Change]:
         """Yield further values of the numbers, between those that were tried."""
-        for index, number in enumerate(self._numbers.found):
-            tried = sorted({*self._values[index], *([number.value] if self._values[index] else ())})
-            for low, high in pairwise(tried):
+        for index, values in sorted(self._values.items()):
+            number = self._numbers.found[index]
+            for low, high in pairwise(sorted({*values, number.value})):
                 if low * high > 0 and distance(low, high) > _GAP:
                     yield change_of(self._numbers, index, nicest(low, high, number.is_delay))
 

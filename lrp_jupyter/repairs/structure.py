@@ -38,6 +38,7 @@ KINDS = {
 }
 """The kinds of changes, in words."""
 
+_LOOSE = (ast.BoolOp, ast.IfExp, ast.Lambda, ast.NamedExpr)  # operands of `and` and `or` in brackets
 _OTHERS: dict[type[ast.cmpop], tuple[str, ...]] = {
     ast.Lt: ("<", ">"),
     ast.LtE: ("<=", ">="),
@@ -147,7 +148,7 @@ class Structure:
         others = " ".join([*noun.sources, name])
         if noun.wildcard:
             if noun.leaves(name) and arrow.element.path in self._evidence.fired:
-                yield f"Not letting {called} leave `{name}`", f"*-{{{others}}} ", 0.0
+                yield f"Not letting {called} leave `{name}`", f"*-{{{others}}}", 0.0
         elif name not in (*noun.sources, noun.destination):
             yield f"Letting {called} also leave `{name}`", f"{{{others}}}", more
             if len(noun.sources) == 1:
@@ -176,12 +177,18 @@ class Structure:
     def _operands(self, place: PlacedBlock) -> Iterator[Change]:
         block = ScannedBlock(place.block.text)
         for node in block.nodes:
-            spans = map(block.span, node.values) if isinstance(node, ast.BoolOp) else ()
-            parts = [place.block.at(span) for span in spans]
-            for index, (start, end) in enumerate(parts):
-                phrase = f"Leaving out `{self._text[start:end]}`"
-                gone = Edit(parts[index - 1].end, end, "") if index else Edit(start, parts[1].start, "")
-                yield self._change("part", phrase, [gone])
+            if not isinstance(node, ast.BoolOp):
+                continue
+            sign = " and " if isinstance(node.op, ast.And) else " or "
+            parts = [self._text[slice(*place.block.at(block.span(each)))] for each in node.values]
+            whole = [
+                f"({part})" if isinstance(each, _LOOSE) else part
+                for part, each in zip(parts, node.values, strict=True)
+            ]
+            for index, part in enumerate(parts):
+                rest = sign.join([*whole[:index], *whole[index + 1 :]])
+                edit = Edit(*place.block.at(block.span(node)), rest)
+                yield self._change("part", f"Leaving out `{part}`", [edit])
 
     def _removals(self) -> Iterator[Change]:
         for arrow in chain.from_iterable(self._drawn.names.arrows.values()):

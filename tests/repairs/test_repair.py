@@ -14,6 +14,7 @@ from lrp_jupyter.grading.grade import jobs_of
 from lrp_jupyter.grading.workers import Halt
 from lrp_jupyter.repairs.numbers import Numbers
 from lrp_jupyter.repairs.search import Search
+from lrp_jupyter.repairs.structure import Structure
 from lrp_jupyter.repairs.witness import Evidence, WitnessJob, with_notes
 
 SOLUTIONS = Path(__file__).parents[2] / "notebooks" / "teachers" / "solutions"
@@ -112,6 +113,51 @@ def test_what_a_program_writes_instead_of_evidence_is_refused(data):
     assert witness.made(NOTHING) == Evidence()
     with pytest.raises(ValueError, match=r"evidence|invalid literal"):
         witness.made(data)
+
+
+STRUCTURE = """(machine m
+  (state a (onentry [robot.stop()] [n = 0]))
+  (state b)
+  (on [n < 3 and (n == 1 or n > 9)] a -> b t)
+  (on [n] *-{b} -> c u)
+  (state c))
+(var n := [0])
+(spawn m a)
+"""
+
+
+@pytest.mark.parametrize(
+    ("phrase", "line"),
+    [
+        ("Swapping `t` and `u` (lines 4 and 5)", "  (on [n < 3 and (n == 1 or n > 9)] a -> b t)"),
+        (
+            "`[n = 0]` in `onexit` instead of `onentry` of `a` (line 2)",
+            "  (state a (onentry [robot.stop()]) (onexit [n = 0]))",
+        ),
+        ("Letting `t` also leave `c` (line 4)", "  (on [n < 3 and (n == 1 or n > 9)] {a c} -> b t)"),
+        (
+            "Letting `t` leave `c` instead of `a` (line 4)",
+            "  (on [n < 3 and (n == 1 or n > 9)] c -> b t)",
+        ),
+        ("Not letting `u` leave `a` (line 5)", "  (on [n] *-{b a} -> c u)"),
+        ("`n >= 1` instead of `n == 1` (line 4)", "  (on [n < 3 and (n >= 1 or n > 9)] a -> b t)"),
+        ("Leaving out `n < 3` (line 4)", "  (on [(n == 1 or n > 9)] a -> b t)"),
+        ("Leaving out `n == 1 or n > 9` (line 4)", "  (on [n < 3] a -> b t)"),
+        ("Leaving out `n > 9` (line 4)", "  (on [n < 3 and (n == 1)] a -> b t)"),
+        ("Leaving out `t` (line 4)", "  (state b)\n  (on [n] *-{b} -> c u)"),
+    ],
+)
+def test_a_change_of_the_structure_is_named_and_touches_nothing_else(phrase, line):
+    evidence = Evidence(
+        frozenset({0}),
+        {index: [(1.0, 2.0)] for index in range(3)},
+        frozenset({("m", "t"), ("m", "u")}),
+        {("m", "a"): 1, ("m", "c"): 1},
+    )
+    found = {each.subject: each for each in Structure(Numbers(STRUCTURE), evidence, ()).changes()}
+    text = found[phrase].apply(STRUCTURE)
+    assert f"{line}\n" in text
+    assert len({*text.splitlines()} - {*STRUCTURE.splitlines()}) <= 1
 
 
 class Between:
