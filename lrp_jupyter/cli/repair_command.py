@@ -1,4 +1,4 @@
-"""``lrp repair``: the smallest change with which a program passes a challenge."""
+"""``lrp repair``: the smallest change that makes a program pass a challenge."""
 
 from __future__ import annotations
 

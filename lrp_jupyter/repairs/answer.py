@@ -14,7 +14,7 @@ _NAMED = 6  # places at which no change helps
 
 @dataclass(frozen=True)
 class Repair:
-    """A change of a program with which it passes more runs; as text it is a sentence.
+    """A change that makes a program pass more runs; `str` gives a sentence about it.
 
     Parameters
     ----------

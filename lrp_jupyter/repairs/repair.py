@@ -1,4 +1,4 @@
-"""Repair a program: the smallest changes with which it passes a challenge, with what shows that they do.
+"""Repair a program: find the smallest changes that make it pass a challenge, each proved in real runs.
 
 ``repair(program, "there and back")`` tries numbers, orders, sources, moments and comparisons, and returns
 those that help. It never changes the program.
@@ -40,7 +40,7 @@ def repair(
     progress: Callable[[int, int], object] | None = None,
     halt: Halt | None = None,
 ) -> Repairs:
-    """Find the smallest changes with which a program passes a challenge, or its kept runs, or both.
+    """Find the smallest changes that make a program pass a challenge, or its kept runs, or both.
 
     The program stays as it is.
 

@@ -1,4 +1,4 @@
-"""The search for the smallest change with which a program passes, within a budget.
+"""The search for the smallest change that makes a program pass, within a budget.
 
 Every change is tried in one failed run first; what passes there in others that failed, and what is left in
 all runs. Of a number that passes, the range that passes is looked for, to propose a round one inside it.

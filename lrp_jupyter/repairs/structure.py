@@ -118,13 +118,10 @@ class Structure:
                 continue
             into = next((each for each in form.forms if each.keyword == other), None)
             if is_alone and into is None:
-                start = home.start + 1 + self._text[home.start + 1 :].index(kind)
-                edits = [Edit(start, start + len(kind), other)]
+                edits = [Edit(home.head - len(kind), home.head, other)]
             else:
                 new = sheet.appended(into, text) if into else sheet.added(form, f"({other} {text})")
-                start = block.span.start
-                while not is_alone and self._text[start - 1] in " \t":
-                    start -= 1
+                start = len(self._text[: block.span.start].rstrip(" \t"))
                 gone = sheet.removed([home])[0] if is_alone else Edit(start, block.span.end, "")
                 edits = sorted([gone, new])
             shown = f"`{text}`" if len(text) <= 60 and "\n" not in text else "the action"

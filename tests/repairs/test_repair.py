@@ -1,4 +1,4 @@
-"""The smallest change with which a program passes: found by real runs, or said not to be found."""
+"""The smallest change that makes a program pass: found by real runs, or said not to be found."""
 
 import re
 from dataclasses import replace
