@@ -1,1 +1,1 @@
-"""The smallest change of a program with which it passes: candidates, the search among them, the answer."""
+"""The smallest change that makes a program pass: candidates, the search among them, the answer."""

@@ -133,12 +133,13 @@ def decide(
 def runs_named(
     runs: str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]],
 ) -> list[KeptRun]:
-    """Return the runs of a folder, or of several folders and files, or these runs.
+    """Return the runs of a folder, or of several folders and files, or these runs; each once.
 
     Raises FileError: there is no such folder or file.
     """
     several = [runs] if isinstance(runs, (str, os.PathLike)) else [*runs]
-    return [run for each in several for run in ([each] if isinstance(each, KeptRun) else kept_runs(each))]
+    found = (run for each in several for run in ([each] if isinstance(each, KeptRun) else kept_runs(each)))
+    return list(dict.fromkeys(found))
 
 
 def rerun_of(

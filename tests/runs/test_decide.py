@@ -17,7 +17,7 @@ from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import record_again, show_run
-from lrp_jupyter.runs.decide import decide
+from lrp_jupyter.runs.decide import decide, runs_named
 from lrp_jupyter.runs.expectation import ExpectedPart, expectation
 from lrp_jupyter.runs.kept_runs import expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP
@@ -272,6 +272,12 @@ def test_what_runs_have_reached_is_what_their_events_say(keep):
         assert (live.states["laps", "ahead"], live.conditions) == (7, coverage.conditions)
         session.edit(LAPS.replace("pace < 0", "pace < 1"))
         assert [each.label for each in session.coverage.undecided] == []
+
+
+def test_a_run_that_is_named_twice_is_run_once(keep):
+    file = keep(seconds=0.1)
+    (run,) = runs_named(file.parent)
+    assert runs_named([file, run, file.parent]) == [run]
 
 
 def test_the_smallest_change_with_which_kept_runs_pass_is_found(keep):
