@@ -66,7 +66,7 @@ class Search:
         self._planned = 0
         self._was_cut = False
         self._tried: dict[Topic, None] = {}
-        self._values: defaultdict[int, set[float]] = defaultdict(set)  # that were tried of a number
+        self._values = defaultdict[int, set[float]](set)  # that were tried of each number
         self._doubts = defaultdict[Topic, float](float)  # how far each number is to be doubted
         self._numbers = Numbers(text)
 
@@ -108,12 +108,12 @@ class Search:
         """Return those of some changes that help."""
         survivors = self._passing(changes, [first], _FIRST)
         survivors = self._passing(survivors, checks, 0.75)
-        best: dict[Topic, list[Change]] = {}
+        of_topic = defaultdict[Topic, list[Change]](list)
         for change in survivors:
-            best.setdefault(change.topic, []).append(change)
-        best = dict(sorted(best.items(), key=lambda each: min(map(self._promise, each[1]))))
+            of_topic[change.topic].append(change)
+        likeliest = sorted(of_topic.items(), key=lambda each: min(map(self._promise, each[1])))
         found = []
-        for topic, its in list(best.items())[:_PLACES]:
+        for topic, its in likeliest[:_PLACES]:
             if topic.kind == "number":
                 found += self._in_range(topic.number, its, [first, *checks])
             elif (passed := self._all(its[0])) is not None:
