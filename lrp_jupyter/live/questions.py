@@ -40,7 +40,7 @@ from lrp_jupyter.live.past.trials import Trial, Trials
 from lrp_jupyter.live.past.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
-from lrp_jupyter.live.recording import recording_of
+from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.runner import Runner, Until
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.running.frame import Frame
@@ -158,7 +158,7 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
 def _check_readable(path: FilePath) -> None:
     """Raise ValueError if a recording cannot be read, so that it is not found out when it is needed."""
     try:
-        recording_of(path)
+        read_recording(path)
     except FileError:
         raise ValueError(
             "This run cannot be kept: something was done in it that no file can hold, such as assigning an"

@@ -268,7 +268,10 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
 
 
 def recording_of(path: str | os.PathLike[str]) -> Recording:
-    """Return a recording as `read_recording` does, and remember it as long as the file stays the same."""
+    """Return a recording as `read_recording` does, and remember it as long as the file stays the same.
+
+    For workers, which run a few recordings many times: those that are remembered take memory.
+    """
     try:
         known = os.stat(path)
         return _recording_of(os.path.abspath(path), known.st_mtime_ns, known.st_size)

@@ -15,7 +15,7 @@ from lrp_jupyter.files import unwritable
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.recorder import Recorder, start_of
-from lrp_jupyter.live.recording import Recording, RunStart, random_of, recording_of
+from lrp_jupyter.live.recording import Recording, RunStart, random_of, read_recording
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import open_log
 from lrp_jupyter.runs.rerun import check_own, drive_again, session_for
@@ -91,7 +91,7 @@ def record_again(file: Path, text: str, namespace: Mapping[str, Any]) -> None:
     LRPError
         It contains an expression that someone else may have recorded.
     """
-    recording = recording_of(file)
+    recording = read_recording(file)
     check_own(recording)
     new = file.with_name(f".new {file.name}")
     try:

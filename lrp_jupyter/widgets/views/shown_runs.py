@@ -21,7 +21,7 @@ from lrp_jupyter.language.program import Path as ProgramPath
 from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.live.coverage import coverage_from
 from lrp_jupyter.live.past.fork import unkept
-from lrp_jupyter.live.recording import recording_of
+from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import begin_run, record_again, show_run
 from lrp_jupyter.runs.decide import decide
@@ -255,7 +255,7 @@ class ShownRuns:
         run = self._named(name)
         with self._lock:
             outcome = self._outcomes.get(run.file, RunOutcome())
-        recording = recording_of(run.file)
+        recording = read_recording(run.file)
         bridge, simulated = opened.session.bridge, recording.start.world is not None
         if bridge.hardware:
             raise LRPError(
