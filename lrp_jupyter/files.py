@@ -14,6 +14,7 @@ import secrets
 import stat
 import time
 import traceback
+import unicodedata
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
@@ -24,6 +25,8 @@ _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | g
 _READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 LARGEST = 32_000_000  # bytes of a text that are read
 _WAITS = (0.01, 0.03, 0.1, 0.3)  # s
+_NOT_IN_NAMES = set('/\\:*?"<>|')
+_DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 _OPEN_ELSEWHERE = (5, 32)  # what Windows calls it: denied, or shared
 
 
@@ -78,6 +81,21 @@ def unwritable(path: str | os.PathLike[str], error: OSError | ValueError) -> Fil
     if isinstance(error, ValueError):  # there is a null character in its name
         return FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.")
     return FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}")
+
+
+def can_be_file_name(name: str, longest: int) -> bool:
+    """Return whether files can have this name, and an ending, on every system; it has no invisible parts."""
+    return (
+        0 < len(name) <= longest
+        and name == name.strip(" .")
+        and all(map(can_be_in_file_name, name))
+        and name.partition(".")[0].lower() not in _DEVICES
+    )
+
+
+def can_be_in_file_name(character: str) -> bool:
+    """Return whether a character can be in the name of a file on every system, and is visible."""
+    return character not in _NOT_IN_NAMES and unicodedata.category(character)[0] != "C"
 
 
 def append_line(path: str | os.PathLike[str], line: str) -> None:

@@ -189,7 +189,14 @@ def test_a_run_of_a_machine_that_was_started_alone_is_run_again_alone(keep):
 
 @pytest.mark.parametrize("name", ["a 'quoted' run", "ü", "\N{ROBOT FACE}", "a\x7fb", "a\u2028b"])
 def test_what_is_expected_of_a_run_of_any_name_can_be_read_again(keep, name):
-    run = expect(kept_runs(keep(name, seconds=1))[0], "reaches away")
+    file = keep(seconds=1)  # and another program has named it
+    run = expect(kept_runs(file.rename(file.with_name(f"{name}.lrplog")))[0], "reaches away")
+    assert kept_runs(run.file.parent) == (run,)
+
+
+@pytest.mark.parametrize("name", ["2.lrplog", "v1.2", "a.lrplog.gz b"])
+def test_a_run_that_has_another_name_keeps_what_is_expected_of_it(keep, name):
+    run = rename(expect(kept_runs(keep(seconds=1))[0], "reaches away"), name)
     assert kept_runs(run.file.parent) == (run,)
 
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import os
-import re
 from pathlib import Path
 
 from lrp_jupyter.errors import FileError
-from lrp_jupyter.files import unwritable
+from lrp_jupyter.files import can_be_file_name, can_be_in_file_name, shown, unwritable
 from lrp_jupyter.logs import unused
 
 ENDINGS = (".lrplog", ".lrplog.gz")
-_NAME = re.compile(r"[^\x00-\x1f/\\:*?\"<>|.][^\x00-\x1f/\\:*?\"<>|]{0,79}(?<![ .])")
-"""What every file system takes as a name, and shows in a list."""
+_LONGEST_NAME = 80
 
 
 def runs_folder(program: str | os.PathLike[str]) -> Path:
@@ -23,16 +21,19 @@ def runs_folder(program: str | os.PathLike[str]) -> Path:
 
 def check_name(name: str) -> None:
     """Raise FileError if a run cannot have a name."""
-    if not _NAME.fullmatch(name):
+    if not can_be_file_name(name, _LONGEST_NAME):
         raise FileError(
-            f"`{name[:80]}` cannot be the name of a run. Take at most 80 characters, without "
-            '`/ \\ : * ? " < > |` and without a full stop at the beginning or the end.'
+            f"`{shown(name)}` cannot be the name of a run, because it is also the name of its file. Use at "
+            f'most {_LONGEST_NAME} visible characters other than `/ \\ : * ? " < > |`, no full stop or space '
+            "at the beginning or the end, and no name that Windows reserves, such as `con`."
         )
 
 
 def possible_name(name: str) -> str:
     """Return the name that is most like a text and that a run can have."""
-    return re.sub(r"[\x00-\x1f/\\:*?\"<>|]", "-", name).lstrip(".")[:80].rstrip(" .") or "run"
+    made = "".join(each if can_be_in_file_name(each) else "-" for each in name)
+    made = made.strip(" .")[:_LONGEST_NAME].rstrip(" .")
+    return made if can_be_file_name(made, _LONGEST_NAME) else "run"
 
 
 def new_file(folder: str | os.PathLike[str], name: str) -> Path:
@@ -51,4 +52,4 @@ def new_file(folder: str | os.PathLike[str], name: str) -> Path:
 
 def name_of(file: Path) -> str:
     """Return the name of the run that a file has."""
-    return file.name.partition(".lrplog")[0]
+    return file.name.removesuffix(".gz").removesuffix(".lrplog")

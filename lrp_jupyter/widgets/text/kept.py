@@ -17,7 +17,6 @@ from __future__ import annotations
 import json
 import os
 import time
-import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -25,7 +24,7 @@ from typing import Any
 
 from lrp_jupyter import own
 from lrp_jupyter.errors import FileError, LRPError
-from lrp_jupyter.files import read_file, shown, write_file
+from lrp_jupyter.files import can_be_file_name, read_file, shown, write_file
 from lrp_jupyter.own import digest
 
 FOLDER = ".lrp"
@@ -34,8 +33,6 @@ _MOST_VERSIONS = 10
 _MOST_CHARACTERS = 2_500_000  # of all versions together
 _LATEST = 1e11  # s since 1970
 _LONGEST_NAME = 100
-_NOT_IN_NAMES = set('/\\:*?"<>|')
-_DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
 
 _Signature = tuple[int, int, int]
 
@@ -84,14 +81,7 @@ def newest(versions: Iterable[Version]) -> tuple[Version, ...]:
 
 def checked_name(name: str) -> str:
     """Return the name of a program, or raise if it cannot name files on every system."""
-    is_usable = (
-        0 < len(name) <= _LONGEST_NAME
-        and not name.startswith(".")
-        and name == name.strip(" .")
-        and not any(each in _NOT_IN_NAMES or unicodedata.category(each)[0] == "C" for each in name)
-        and name.partition(".")[0].lower() not in _DEVICES
-    )
-    if not is_usable:
+    if not can_be_file_name(name, _LONGEST_NAME):
         raise LRPError(
             f"`{shown(name)}` is not a valid name for a program, because it is also the name of its files. "
             f"Use letters, digits, `_` and `-`, at most {_LONGEST_NAME} of them, and no name that Windows "
