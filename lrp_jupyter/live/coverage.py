@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
+REACHED = ("states", "transitions", "held", "failed")
+"""The kinds of what a run reaches, in plain data; the last two are outcomes of conditions."""
 _LISTED = 8  # elements in a sentence
 
 
@@ -29,7 +32,7 @@ class Coverage:
         false; since it was last edited. Delays are not conditions.
     """
 
-    program: Program = field(hash=False)
+    program: Program
     states: Mapping[Path, int]
     transitions: Mapping[Path, int]
     conditions: Mapping[Path, tuple[bool, bool]]
@@ -70,13 +73,15 @@ class Coverage:
 
     __repr__ = __str__
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain data without what was not reached, as `coverage_from` reads it."""
-        return {
-            "states": {path_text(path): times for path, times in self.states.items() if times},
-            "transitions": {path_text(path): times for path, times in self.transitions.items() if times},
-            "conditions": {path_text(path): ways for path, ways in self.conditions.items() if any(ways)},
+    def to_dict(self) -> dict[str, list[str]]:
+        """Return the paths of what was reached as plain data, as `coverage_from` reads it."""
+        reached = {
+            "states": [path for path, times in self.states.items() if times],
+            "transitions": [path for path, times in self.transitions.items() if times],
+            "held": [path for path, (held, _) in self.conditions.items() if held],
+            "failed": [path for path, (_, failed) in self.conditions.items() if failed],
         }
+        return {kind: [*map(path_text, paths)] for kind, paths in reached.items()}
 
 
 def _listed(elements: list[Element]) -> str:
@@ -87,28 +92,20 @@ def _listed(elements: list[Element]) -> str:
 
 def coverage_of(interpreter: Interpreter) -> Coverage:
     """Return what the present run has reached of the program that runs."""
-    visits, firings = interpreter.visits, interpreter.firings
     return _coverage(
         interpreter.program,
-        {path: count.times for path, count in visits.items()},
-        {path: count.times for path, count in firings.items()},
+        {path: count.times for path, count in interpreter.visits.items()},
+        {path: count.times for path, count in interpreter.firings.items()},
         interpreter.outcomes,
     )
 
 
-def coverage_from(program: Program, runs: Iterable[Mapping[str, Any]]) -> Coverage:
+def coverage_from(program: Program, runs: Sequence[Mapping[str, Iterable[str]]]) -> Coverage:
     """Return what runs of a program have reached together, from the plain data of each."""
-    states: dict[Path, int] = {}
-    transitions: dict[Path, int] = {}
-    conditions: dict[Path, tuple[bool, bool]] = {}
-    for run in runs:
-        for counts, found in ((states, run["states"]), (transitions, run["transitions"])):
-            for text in found:
-                path = tuple(text.split("/"))
-                counts[path] = counts.get(path, 0) + 1
-        for text, (held, failed) in run["conditions"].items():
-            before = conditions.get(path := tuple(text.split("/")), (False, False))
-            conditions[path] = before[0] or held, before[1] or failed
+    states, transitions, held, failed = (
+        Counter(as_path(text) for run in runs for text in run[kind]) for kind in REACHED
+    )
+    conditions = {path: (path in held, path in failed) for path in held | failed}
     return _coverage(program, states, transitions, conditions)
 
 

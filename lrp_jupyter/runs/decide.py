@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +37,8 @@ class Decisions:
         In the order of the runs; those that were not run again are missing.
     """
 
-    program: Program = field(hash=False)
-    outcomes: Mapping[KeptRun, RunOutcome] = field(hash=False)
+    program: Program
+    outcomes: Mapping[KeptRun, RunOutcome]
 
     @property
     def passed(self) -> bool:
@@ -48,7 +48,7 @@ class Decisions:
     @property
     def coverage(self) -> Coverage:
         """What of the program the runs have reached together: in how many of them."""
-        return coverage_from(self.program, (outcome.coverage for outcome in self.outcomes.values()))
+        return coverage_from(self.program, [outcome.coverage for outcome in self.outcomes.values()])
 
     def __bool__(self) -> bool:
         return self.passed

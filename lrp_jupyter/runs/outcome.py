@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple, get_args
 
 from lrp_jupyter.grading.attempt import Ended
 from lrp_jupyter.grading.untrusted import number_in, one_of, text_in
+from lrp_jupyter.live.coverage import REACHED
 
 OPEN_LOOP = (
     "A real robot was recorded: from the first difference on, its readings are those of the recorded drive, "
@@ -51,6 +52,7 @@ class RunOutcome(NamedTuple):
     `coverage`: what of the program was reached, as plain data.
     `issues`: how many issues the program has at the end.
     `problem`: why there is no verdict; empty if there is.
+    `ended`: why it did not come to its end; empty if it did.
     """
 
     found: tuple[PartVerdict, ...] = ()
@@ -62,10 +64,9 @@ class RunOutcome(NamedTuple):
     seconds: float = 0.0
     recorded: tuple[StateEntered, ...] = ()
     now: tuple[StateEntered, ...] = ()
-    coverage: Mapping[str, Any] = {"states": {}, "transitions": {}, "conditions": {}}
+    coverage: Mapping[str, Sequence[str]] = dict.fromkeys(REACHED, ())
     issues: int = 0
     problem: str = ""
-
     ended: Ended = ""
 
     @property
@@ -95,20 +96,13 @@ class RunOutcome(NamedTuple):
                 number_in(data["seconds"]),
                 tuple(map(_entered_in, data["recorded"])),
                 tuple(map(_entered_in, data["now"])),
-                {
-                    "states": _counts(data["coverage"]["states"]),
-                    "transitions": _counts(data["coverage"]["transitions"]),
-                    "conditions": {
-                        text_in(path): (bool(held), bool(failed))
-                        for path, (held, failed) in data["coverage"]["conditions"].items()
-                    },
-                },
+                {kind: tuple(map(text_in, data["coverage"][kind])) for kind in REACHED},
                 number_in(data["issues"], int),
                 text_in(data["problem"]),
                 one_of(data["ended"], get_args(Ended)),
             )
         except (TypeError, LookupError, AttributeError) as error:
-            raise ValueError("This is no outcome of a run.") from error
+            raise ValueError("This is not the outcome of a run.") from error
 
 
 def _maybe(time: Any) -> float | None:
@@ -118,7 +112,3 @@ def _maybe(time: Any) -> float | None:
 def _entered_in(data: Any) -> StateEntered:
     time, lane, state = data
     return StateEntered(number_in(time), text_in(lane), None if state is None else text_in(state))
-
-
-def _counts(data: Any) -> dict[str, int]:
-    return {text_in(path): number_in(times, int) for path, times in data.items()}

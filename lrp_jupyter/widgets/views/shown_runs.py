@@ -11,7 +11,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, sentence_of
@@ -296,7 +296,7 @@ def _run_view(run: KeptRun, outcome: RunOutcome | None, is_decided: bool) -> Kep
     }
 
 
-def _coverage_view(program: Program, runs: Sequence[Mapping[str, Any]]) -> CoverageView:
+def _coverage_view(program: Program, runs: Sequence[Mapping[str, Sequence[str]]]) -> CoverageView:
     """Return in which runs, by their numbers, each part of a program was reached."""
     coverage = coverage_from(program, runs)
 
