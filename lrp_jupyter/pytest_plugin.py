@@ -6,12 +6,13 @@ It imports no other module of this package: sessions are in use only where a tes
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import pytest
 
-_BEFORE = pytest.StashKey[dict[int, int]]()
+_BEFORE = pytest.StashKey[WeakKeyDictionary[Any, int]]()
 
 
 def _sessions() -> list[Any]:
@@ -22,7 +23,7 @@ def _sessions() -> list[Any]:
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Note how far the sessions of earlier tests have come."""
-    item.stash[_BEFORE] = {id(session): session.interpreter.tick for session in _sessions()}
+    item.stash[_BEFORE] = WeakKeyDictionary({each: each.interpreter.tick for each in _sessions()})
 
 
 @pytest.hookimpl(hookwrapper=True)
@@ -31,8 +32,8 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     result: Any = yield
     test = result.get_result()
     if test.failed:
-        before = item.stash.get(_BEFORE, {})
-        used = [each for each in _sessions() if before.get(id(each)) != each.interpreter.tick]
+        before: Mapping[Any, int] = item.stash.get(_BEFORE, {})
+        used = [each for each in _sessions() if before.get(each) != each.interpreter.tick]
         test.sections += [(f"lrp: {session.name}", _report(session)) for session in used]
 
 
