@@ -12,7 +12,7 @@ from weakref import WeakKeyDictionary
 
 import pytest
 
-_BEFORE = pytest.StashKey[WeakKeyDictionary[Any, int]]()
+_BEFORE = pytest.StashKey[Mapping[Any, int]]()
 
 
 def _sessions() -> list[Any]:
@@ -32,7 +32,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Iterator[None]:
     result: Any = yield
     test = result.get_result()
     if test.failed:
-        before: Mapping[Any, int] = item.stash.get(_BEFORE, {})
+        before = item.stash.get(_BEFORE, {})
         used = [each for each in _sessions() if before.get(each) != each.interpreter.tick]
         test.sections += [(f"lrp: {session.name}", _report(session)) for session in used]
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_text, shown, unreadable, unwritable, write_file
-from lrp_jupyter.live.stored.run_files import ENDINGS, check_name, name_of, runs_folder
+from lrp_jupyter.live.stored.run_files import ENDINGS, check_name, name_of
 from lrp_jupyter.logs import unused
 from lrp_jupyter.runs.expectation import AS_RECORDED, expectation
 
@@ -152,6 +152,3 @@ def _move(file: Path, to: Path) -> None:
         file.rename(to)
     except OSError as error:
         raise unwritable(to, error) from None
-
-
-__all__ = ["EXPECTED", "KeptRun", "expect", "kept_runs", "remove", "rename", "runs_folder"]

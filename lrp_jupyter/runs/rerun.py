@@ -96,10 +96,10 @@ class Rerun:
         with session_for(recording, program, self.namespace, remembers=also is not None) as session:
             watch = RunWatch(session, self.expected, self.tasks)
 
-            def after_tick() -> bool:
+            def after_tick() -> None:
                 if also is not None:
                     also(session)
-                return watch.tick()
+                watch.tick()
 
             drive_again(session, recording, self.limit, after_tick)
             watch.repeated = len(watch.happenings)
@@ -140,7 +140,7 @@ def drive_again(
     session: Session,
     recording: Recording,
     limit: float,
-    after_tick: Callable[[], object] = lambda: False,
+    after_tick: Callable[[], object] = lambda: None,
 ) -> float:
     """Repeat a recorded run in a session from now on, but for edits; return when it began, in seconds.
 

@@ -40,12 +40,12 @@ class RunWatch:
         self.touches: list[tuple[float, str]] = []
         self._session = session
         self._touched: frozenset[str] = frozenset()
-        self._decided: set[str] = set()  # the challenges whose criteria are decided about
+        self._decided: set[str] = set()  # the challenges that have been met, or no longer can be
         session.observe(self._see)
         bridge = session.bridge
-        self._is_open_loop = isinstance(bridge, RecordedBridge)
-        simulated = bridge if isinstance(bridge, SimBridge) else None
-        self._feels = simulated is not None and any(part.kind == "touches" for part in expected.parts)
+        self.is_open_loop = isinstance(bridge, RecordedBridge)
+        self._simulated = simulated = bridge if isinstance(bridge, SimBridge) else None
+        self._feels = any(part.kind == "touches" for part in expected.parts)
         self.referees = {name: Referee(task, simulated.world) for name, task in tasks.items() if simulated}
         self._findings = session.check(session.program) if self.referees else ()
 
@@ -55,26 +55,23 @@ class RunWatch:
             self.happenings.append(Happening(event.tick, time, "entered", event.path[:-1], event.path))
         elif event.kind == "discarded":
             self.happenings.append(Happening(event.tick, time, "ended", event.path))
-        elif event.kind == "commanded" and self._is_open_loop:
+        elif event.kind == "commanded" and self.is_open_loop:
             data: Any = event.data
             call = _call(data.name, plain(data.arguments))
             self.commands.append(Happening(event.tick, time, "command", by=(data.name,), call=call))
 
-    def tick(self) -> bool:
-        """Note what a tick has brought; never ends the run."""
-        session = self._session
-        bridge = session.bridge
-        if self._feels and bridge.simulated is not None:
-            touched = bridge.simulated.touched
-            for solid in touched - self._touched:
-                self.touches.append((session._loop.timing.now, solid))
-            self._touched = touched
+    def tick(self) -> None:
+        """Note what a tick has brought."""
+        session, world = self._session, self._simulated
+        if world is None:
+            return
+        if self._feels:
+            new = sorted(world.touched - self._touched)
+            self.touches += ((session._loop.timing.now, solid) for solid in new)
+            self._touched = world.touched
         for name, referee in self.referees.items():
-            if name in self._decided or not isinstance(bridge, SimBridge):
-                continue
-            if referee.see(bridge, session.interpreter, self._findings):
+            if name not in self._decided and referee.see(world, session.interpreter, self._findings):
                 self._decided.add(name)
-        return False
 
 
 def _call(name: str, arguments: Any) -> str:
@@ -101,9 +98,8 @@ def judged(recording: Recording, session: Session, watch: RunWatch, expected: Ex
     names = renamed(parse(recording.start.text), session.program)
     recorded = [*_recorded(recording.followed, names, "state")]
     differs = first_event(recorded, watch.happenings[: watch.repeated])
-    is_open_loop = isinstance(session.bridge, RecordedBridge)
     other: Divergence | None = None
-    if is_open_loop:
+    if watch.is_open_loop:
         other = first_event(_recorded(recording.followed, names, "command"), watch.commands)
     departs = [each.time for each in (differs, other) if each is not None]
     return RunOutcome(
@@ -112,7 +108,7 @@ def judged(recording: Recording, session: Session, watch: RunWatch, expected: Ex
         differs=None if differs is None else differs.tick,
         time=0.0 if differs is None else differs.time,
         lane="" if differs is None else path_text(differs.lane),
-        open_loop=min(departs) if is_open_loop and departs else None,
+        open_loop=min(departs) if watch.is_open_loop and departs else None,
         seconds=session._loop.timing.now,
         recorded=tuple(map(_entered, recorded)),
         now=tuple(map(_entered, watch.happenings)),

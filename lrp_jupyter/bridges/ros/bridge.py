@@ -470,9 +470,7 @@ class RosBridge(Bridge):
 
     def _contents(self, channel: Channel) -> tuple[object, ...]:
         messages = self._new_messages(channel.wire.variable, channel.arrivals)
-        if channel.own != ("data",):  # also values of parameters
-            return tuple(messages)
-        return tuple(message.data for message in messages)
+        return tuple(getattr(message, "_content", message) for message in messages)  # or values of parameters
 
     def _link(self) -> TopicLink:
         if self.wiring.link is None:
