@@ -1,4 +1,4 @@
-"""A plugin of pytest: a test that fails also says what the sessions that it used did.
+"""A pytest plugin: a test that fails also says what the sessions that it used did.
 
 It imports no other module of this package: sessions are in use only where a test has imported them.
 """
@@ -42,5 +42,5 @@ def _report(session: Any) -> str:
 
     try:
         return report(session)
-    except Exception as error:  # the test has failed, and that is to be seen whatever else fails
+    except Exception as error:  # the failure of the test is shown, whatever else fails
         return f"The session cannot be asked: {error}"

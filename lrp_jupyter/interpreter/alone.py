@@ -91,7 +91,7 @@ def _first(program: Program, start: Alone, spawned: list[str]) -> tuple[str, str
     names, text = resolve(program), path_text(start.machine)
     machine = names.by_path.get(names.defined(start.machine))
     if machine is None or machine.noun is None or not is_spawned(program, start.machine):
-        return start.state, f"There is no machine `{text}`, which is started alone."
+        return start.state, f"There is no machine `{text}` to start alone."
     known = dict.fromkeys(spawned or names.starts.get(machine, ()))
     first = start.state or (next(iter(known)) if len(known) == 1 else "")
     if first in machine.states:

@@ -1,4 +1,4 @@
-"""Coverage: what of a program runs have reached."""
+"""Coverage: how much of a program runs have reached."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _LISTED = 8  # elements in a sentence
 
 @dataclass(frozen=True, repr=False)
 class Coverage:
-    """What of a program a run has reached, or several runs; ``print(coverage)`` says what they have not.
+    """How much of a program one or more runs have reached; ``print(coverage)`` says what they have not.
 
     Parameters
     ----------
     program : Program
     states : mapping of path to int
-        How often each state was entered, by path of definition; of several runs, in how many of them it was.
+        How often each state was entered, by path of definition; for several runs, in how many of them.
     transitions : mapping of path to int
         How often each transition fired, in the same way.
     conditions : mapping of path to (bool, bool)
@@ -45,7 +45,7 @@ class Coverage:
 
     @property
     def undecided(self) -> tuple[Element, ...]:
-        """The transitions whose conditions were tested, and came out in one way only."""
+        """The transitions whose conditions were tested, and had only one outcome."""
         return tuple(
             self._transition(path) for path, (held, failed) in self.conditions.items() if held != failed
         )
@@ -59,7 +59,7 @@ class Coverage:
         groups = [("states", self.states), ("transitions", self.transitions)]
         counts = [f"{sum(map(bool, each.values()))} of {len(each)} {name}" for name, each in groups if each]
         if self.conditions:
-            counts.append(f"{both} of {len(self.conditions)} conditions in both ways")
+            counts.append(f"both outcomes of {both} of {len(self.conditions)} conditions")
         lines = [f"Reached: {', '.join(counts) or 'nothing'}."]
         unreached, one_way = self.unreached, self.undecided
         named: list[tuple[str, list[Element]]] = [

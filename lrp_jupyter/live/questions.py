@@ -147,7 +147,7 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
         path.unlink(missing_ok=True)
         raise ValueError(
             f"This run cannot be kept: you went back in it, and {error.left} was no longer as it had been "
-            "there. Begin a new run."
+            "then. Begin a new run."
         ) from None
     except BaseException:
         path.unlink(missing_ok=True)
@@ -156,13 +156,13 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
 
 
 def _check_readable(path: FilePath) -> None:
-    """Raise ValueError if a recording cannot be read, so that it is not found out when it is needed."""
+    """Raise ValueError if a recording cannot be read: better now than when it is needed."""
     try:
         read_recording(path)
     except FileError:
         raise ValueError(
-            "This run cannot be kept: something was done in it that no file can hold, such as assigning an"
-            " object. Begin a new run."
+            "This run cannot be kept: something was done in it that cannot be written to a file, such as "
+            "assigning an object. Begin a new run."
         ) from None
 
 

@@ -68,11 +68,11 @@ def _check_beginning(session: Session, start: RunStart) -> None:
     """Raise LRPError if a run began with something else than the program of a session does."""
     if start.start != path_text(session.interpreter.start or ()):
         raise LRPError(
-            f"The run began with `{start.start}` alone, and the program here begins with all that it spawns. "
-            "It cannot be shown here."
+            f"The run began with `{start.start}` alone, but the program here begins with everything that it "
+            "spawns, so the run cannot be shown here."
             if start.start
-            else "The run began with all that its program spawns, and here one machine is started alone. It "
-            "cannot be shown here."
+            else "The run began with everything that its program spawns, but here one machine is started "
+            "alone, so the run cannot be shown here."
         )
     if start.initials and start.program(session.program) != session.program:
         given = ", ".join(f"`(var {name} := [{value}])`" for name, value in start.initials.items())

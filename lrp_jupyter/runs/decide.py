@@ -1,4 +1,4 @@
-"""Decide about kept runs: run each again with a program, several at a time, and judge it.
+"""Judge kept runs: run each again with a program, several at a time.
 
 ``decide(program, "follower.runs")`` is what ``lrp test`` prints, and what the panel *Runs* of a lab shows.
 """
@@ -28,7 +28,7 @@ Told = Callable[[KeptRun, RunOutcome], object]
 
 @dataclass(frozen=True, repr=False)
 class Decisions:
-    """What came of kept runs with a program; true if all passed. ``print(decisions)`` has a line for each.
+    """The outcomes of kept runs with a program; true if all passed. ``print(decisions)`` shows each.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Decisions:
 
     @property
     def coverage(self) -> Coverage:
-        """What of the program the runs have reached together: in how many of them."""
+        """How much of the program the runs have reached together, and in how many of them."""
         return coverage_from(self.program, [outcome.coverage for outcome in self.outcomes.values()])
 
     def __bool__(self) -> bool:

@@ -4,7 +4,7 @@
 ``as recorded``           the same states are entered at the same times; ``until 12 s``: up to then
 ``reaches STATE``         the state is entered; ``within 30 s``: by then
 ``never enters STATE``    the state is not entered; ``never STATE`` is short for it
-``never touches``         the simulated robot touches nothing; ``never touches NAME``: not that
+``never touches``         the simulated robot touches nothing; ``never touches NAME``: not NAME
 ``meets CHALLENGE``       the criteria of a challenge are met
 ========================  ======================================================================
 
@@ -99,7 +99,7 @@ def _part(text: str) -> ExpectedPart:
     raise LRPError(
         f"`{plain}` is not something that can be expected of a run. Write `as recorded`, `reaches STATE`, "
         "`reaches STATE within 30 s`, `never enters STATE`, `never touches`, `meets CHALLENGE`, or several "
-        "with commas between them."
+        "of these, separated by commas."
     )
 
 

@@ -51,7 +51,9 @@ def kept_runs(where: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) 
     for each in several:
         path = Path(each)
         if not path.exists():
-            raise FileError(f"`{shown(path)}` does not exist. It should be a folder of recordings, or one.")
+            raise FileError(
+                f"`{shown(path)}` does not exist. It should be a recording, or a folder of recordings."
+            )
         for run in _runs_in(path) if path.is_dir() else _runs_in(path.parent, path):
             found.setdefault(run.file, run)
     return tuple(found.values())
@@ -79,7 +81,7 @@ def _expected_in(folder: Path) -> dict[str, str]:
         raise FileError(f"`{shown(file)}` cannot be read: {error}.") from None
     wrong = next((name for name, line in lines.items() if not isinstance(line, str)), None)
     if wrong is not None:
-        raise FileError(f"`{shown(file)}`: what is expected of `{wrong}` is not a text.")
+        raise FileError(f"`{shown(file)}`: what is expected of `{wrong}` must be a text in quotation marks.")
     return lines
 
 
@@ -123,7 +125,7 @@ def rename(run: KeptRun, name: str) -> KeptRun:
     check_name(name)
     file = run.file.with_name(f"{name}{run.file.name[len(run.name) :]}")
     if file.exists():
-        raise FileError(f"There is a run `{name}` already. Choose another name.")
+        raise FileError(f"There is already a run `{name}`. Choose another name.")
     lines = _expected_in(run.file.parent)
     _move(run.file, file)
     lines.pop(run.name, None)

@@ -46,10 +46,10 @@ class RunOutcome(NamedTuple):
     `found`: the verdict on each part of what is expected.
     `difference`, `differs`: the first difference of its states from the recording, in words; and its tick.
     `time`, `lane`: when that is, in seconds, and in which machine.
-    `open_loop`: the seconds from which recorded readings do not answer any more to what is commanded.
+    `open_loop`: the time in seconds from which recorded readings no longer answer what is commanded.
     `seconds`: how long the run is.
     `recorded`, `now`: the states that were entered.
-    `coverage`: what of the program was reached, as plain data.
+    `coverage`: what was reached of the program, as plain data.
     `issues`: how many issues the program has at the end.
     `problem`: why there is no verdict; empty if there is.
     `ended`: why it did not come to its end; empty if it did.

@@ -159,12 +159,11 @@ def _entering(part: ExpectedPart, session: Session, watch: RunWatch) -> PartVerd
 
 def _touching(part: ExpectedPart, session: Session, watch: RunWatch) -> PartVerdict:
     if not isinstance(session.bridge, SimBridge):
-        return PartVerdict(str(part), False, "What the robot touched is known only of a simulated robot.")
+        return PartVerdict(str(part), False, "What a robot touches is only known in the simulator.")
     wanted = [(time, solid) for time, solid in watch.touches if part.name in ("", solid)]
     if not wanted:
-        return PartVerdict(
-            str(part), True, "The robot touches nothing." if not part.name else "It is not touched."
-        )
+        nothing = f"The robot does not touch `{part.name}`." if part.name else "The robot touches nothing."
+        return PartVerdict(str(part), True, nothing)
     time, solid = wanted[0]
     what = "the edge of the world" if solid == "edge" else f"`{solid}`"
     return PartVerdict(str(part), False, f"The robot touches {what} at {time:.1f} s.", time)
@@ -173,7 +172,9 @@ def _touching(part: ExpectedPart, session: Session, watch: RunWatch) -> PartVerd
 def _meeting(part: ExpectedPart, watch: RunWatch) -> PartVerdict:
     referee = watch.referees.get(part.name)
     if referee is None:
-        return PartVerdict(str(part), False, "The criteria of a challenge are about a simulated robot.")
+        return PartVerdict(
+            str(part), False, "The criteria of a challenge can only be checked with a simulated robot."
+        )
     missing = [verdict for verdict in referee.verdicts(True) if not verdict.passed]
     if not missing:
         return PartVerdict(str(part), True, "All criteria are met.")

@@ -1,4 +1,4 @@
-"""A robot for tests: it has the members of another one, and nothing of it but them.
+"""A robot for tests, with the members of another one and nothing behind them.
 
 What it reads is set by the test, now or by a table over time; what it is commanded is kept.
 """
@@ -31,7 +31,7 @@ Rows = Iterable[tuple[float, object]]
 
 @dataclass(frozen=True, slots=True, repr=False)
 class StubCommand:
-    """A command that reached the robot; one that is repeated in the same way is one.
+    """A command that reached the robot; repeats in a row count as one.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ class StubCommand:
     arguments : dict of str to object
         After limits; of a velocity those that are not 0, by their short names.
     last : float
-        When it came last in a row.
+        When it was repeated last.
     """
 
     time: float
@@ -72,8 +72,8 @@ class RobotStub(RecordedBridge, offered=False):
 
     Its readings are those that the test sets: ``robot["light.data"] = 20``. A reading that was not set has no
     data yet. What is set may be a value, a function of the time of the run in seconds, or an exception that
-    reading raises, such as :class:`~lrp_jupyter.errors.StaleData`; None takes the value away again. A message
-    of ROS is given by its fields, ``{"ranges": [0.4]}``; the others are 0.
+    reading it raises, such as :class:`~lrp_jupyter.errors.StaleData`; None takes the value away again. A
+    message of ROS is given by its fields, ``{"ranges": [0.4]}``; the others are 0.
 
     Examples
     --------
@@ -126,8 +126,9 @@ class RobotStub(RecordedBridge, offered=False):
         members = [*made.nodes.members()]
         if not members:
             raise BridgeError(
-                f"The bridge `{made.name}` knows no member of `robot` without a connection. Pass what names "
-                'them, such as `setup="robot.json"`; a bridge of your own adds them in `add_members`.'
+                f"The bridge `{made.name}` knows no member of `robot` without a connection. Pass an option "
+                'that names them, such as `setup="robot.json"`. A bridge of your own adds them in '
+                "`add_members`."
             )
         stub = cls(members)
         stub.complete = complete  # type: ignore[misc]
@@ -179,7 +180,7 @@ class RobotStub(RecordedBridge, offered=False):
         result: object = None,
         reason: str = "",
     ) -> None:
-        """Let a task end, whenever it is asked for; without that, it goes on.
+        """Let a task end whenever it is asked for; otherwise it goes on.
 
         Parameters
         ----------
@@ -191,7 +192,7 @@ class RobotStub(RecordedBridge, offered=False):
         reason : str
         """
         if not isinstance(self._method(name), RobotTask):
-            raise MemberError(f"`{name}` is a method, which ends at once. Use `returns`.")
+            raise MemberError(f"`{name}` is a method that ends at once, not a task. Use `returns`.")
         check_choice("status", status, STATUSES)
         check_number("after", after, "a number of seconds", least=0)
         self._ends[name] = _End(status, after, result, reason)
@@ -213,7 +214,8 @@ class RobotStub(RecordedBridge, offered=False):
     def _reading(self, name: str) -> RobotVariable:
         """Return the reading of a name, or the message of which it names a field."""
         if name in self._variables and name not in self._settable:
-            raise MemberError(f"`{name}` follows from `{self._variables[name].of}`. Set that.")
+            of = self._variables[name].of
+            raise MemberError(f"`{name}` follows from `{of}`. Set `{of}`.")
         for path, node in self._settable.items():
             if name == path or (name.startswith(f"{path}.") and _maker(node) is not None):
                 return node

@@ -1,4 +1,4 @@
-"""What a run did, as a text for whoever reads that a test has failed."""
+"""What a run did, as a text for the reader of a failed test."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def report(session: Session) -> str:
     Returns
     -------
     str
-        Some lines: what the plugin of pytest adds to a failed test.
+        The lines that the pytest plugin adds to a failed test.
     """
 
     def told(loop: Loop) -> str:

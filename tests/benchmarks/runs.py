@@ -47,7 +47,7 @@ class Decided:
         runs.attach(self._news.set)
 
     def wait(self, session: Session) -> tuple[float, float]:
-        """Return the seconds until the first of the runs is judged, and until the last is."""
+        """Return the seconds until the first, and until the last of the runs is judged."""
         start, first = perf_counter(), 0.0
         while True:
             view = self._runs.view(session)

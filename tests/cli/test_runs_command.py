@@ -90,7 +90,7 @@ def test_recordings_of_strangers_cost_the_others_nothing_and_are_named_in_print(
     ("content", "reason"),
     [
         (b"one = ", "cannot be read: Invalid value"),
-        (b"one = 3", "what is expected of `one` is not a text."),
+        (b"one = 3", "what is expected of `one` must be a text in quotation marks."),
         (b"\xff", "is not valid UTF-8"),
     ],
 )

@@ -249,7 +249,7 @@ def test_an_edit_that_removes_it_waits_and_says_why():
     i.step(1)
     assert active(i) == []
     assert [(each.code, each.message) for each in i.issues if not each.resolved] == [
-        ("LRP605", "There is no machine `m/a/t`, which is started alone.")
+        ("LRP605", "There is no machine `m/a/t` to start alone.")
     ]
     i.patch(parse(NESTED))
     i.step(2)

@@ -208,7 +208,7 @@ def test_a_run_has_another_name_is_recorded_again_or_is_removed_and_nothing_is_l
         ("three", "reaches away"),
         ("two", "as recorded"),
     ]
-    with pytest.raises(LRPError, match="There is a run `two` already"):
+    with pytest.raises(LRPError, match="There is already a run `two`"):
         rename(run, "two")
     changed = LAPS.replace("2000", "2100")
     assert not decide(changed, [other])
@@ -269,7 +269,7 @@ def test_what_runs_have_reached_is_what_their_events_say(keep):
     program = parse(LAPS)
     assert coverage.program == program
     assert str(coverage) == (
-        "Reached: 3 of 3 states, 3 of 4 transitions, 1 of 2 conditions in both ways.\n"
+        "Reached: 3 of 3 states, 3 of 4 transitions, both outcomes of 1 of 2 conditions.\n"
         "Never fired: `laps/[pace < 0]:ahead->aside`.\n"
         "Never true: `laps/[pace < 0]:ahead->aside`."
     )

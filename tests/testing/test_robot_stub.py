@@ -134,7 +134,7 @@ def test_what_is_given_is_a_message_an_exception_or_a_mistake():
     for name, message in [
         ("scann", "There is no reading `scann`. Did you mean `scan`?"),
         ("move", "`move` is a method, not a reading. Use `returns` for what it returns."),
-        ("scan.new", "`scan.new` follows from `scan`. Set that."),
+        ("scan.new", "`scan.new` follows from `scan`. Set `scan`."),
         ("scan.rangs", "`scan` cannot be {'rangs': 1}. It has 'rangs'."),
     ]:
         with pytest.raises(MemberError, match=re.escape(message)):
@@ -225,5 +225,5 @@ def test_a_session_with_it_is_recorded_and_reproduced_and_forked(tmp_path):
     again.session.close()
 
 
-def test_it_is_no_robot_that_the_lab_offers():
+def test_the_lab_does_not_offer_it():
     assert "stub" not in find_bridges()

@@ -73,11 +73,11 @@ def unkept(loop: Loop) -> str:
     if not loop.interpreter.tick:
         return "No tick has run yet. Run the program first."
     if begun is None:
-        return "This run did not begin at the start of the world. Begin a new run, which can be kept."
+        return "This run did not begin at the start of its world, so it cannot be kept. Begin a new run."
     if begun.tick < loop.interpreter.tick - len(record.moments) or begun.inputs < record.inputs.lost:
         ago = loop.timing.now - begun.time
         many = f"{ago:.0f} s" if ago < 90 else f"{ago / 60:.0f} minutes"
-        return f"This run began {many} ago, which is no longer remembered. Begin a new run."
+        return f"This run began {many} ago, and its beginning is no longer remembered. Begin a new run."
     return "" if begun.tick < loop.interpreter.tick else "This run has just begun: no tick has run yet."
 
 
