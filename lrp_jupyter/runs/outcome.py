@@ -44,7 +44,7 @@ class RunOutcome(NamedTuple):
     """What came of a run that was run again.
 
     `found`: the verdict on each part of what is expected.
-    `difference`, `differs`: the first difference of its states from the recording, in words; and its tick.
+    `difference`: the first difference of its states from the recording, in words.
     `time`, `lane`: when that is, in seconds, and in which machine.
     `open_loop`: the time in seconds from which recorded readings no longer answer what is commanded.
     `seconds`: how long the run is.
@@ -57,7 +57,6 @@ class RunOutcome(NamedTuple):
 
     found: tuple[PartVerdict, ...] = ()
     difference: str = ""
-    differs: int | None = None
     time: float = 0.0
     lane: str = ""
     open_loop: float | None = None
@@ -89,7 +88,6 @@ class RunOutcome(NamedTuple):
                     for part, passed, reason, time in data["found"]
                 ),
                 text_in(data["difference"]),
-                None if data["differs"] is None else number_in(data["differs"], int),
                 number_in(data["time"]),
                 text_in(data["lane"]),
                 _maybe(data["open_loop"]),

@@ -105,7 +105,6 @@ def judged(recording: Recording, session: Session, watch: RunWatch, expected: Ex
     return RunOutcome(
         found=tuple(_found(part, session, watch, differs) for part in expected.parts),
         difference="" if differs is None else differs.text,
-        differs=None if differs is None else differs.tick,
         time=0.0 if differs is None else differs.time,
         lane="" if differs is None else path_text(differs.lane),
         open_loop=min(departs) if watch.is_open_loop and departs else None,
