@@ -94,12 +94,14 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
         return Decision(restart=True, reason=reason)
     if lost:
         return Decision(reason=f"`(spawn {' '.join(lost[0])})` was removed. What it started keeps running.")
-    unable = _unable(run)
-    capitalised = unable[0].upper() + unable[1:]
-    return Decision(reason=reason and f"{reason} {capitalised}, so the program keeps running.")
+    if reason:
+        unable = _unable(run)
+        reason += f" {unable[0].upper()}{unable[1:]}, so the program keeps running."
+    return Decision(reason=reason)
 
 
 def _unable(run: Run) -> str:
+    """Return that the program cannot begin, as a part of a sentence."""
     return "no `spawn` can start" if run.alone is None else f"`{path_text(run.alone.path)}` cannot start"
 
 

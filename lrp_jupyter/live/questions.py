@@ -143,15 +143,14 @@ def keep(session: Asked, name: str, folder: str | os.PathLike[str] | None) -> Fi
             _repeat(copy, start.later)  # what was done after the last tick
             recorders[0].end()
         _check_readable(path)
-    except WentBackError as error:
+    except BaseException as error:
         path.unlink(missing_ok=True)
+        if not isinstance(error, WentBackError):
+            raise
         raise ValueError(
             f"This run cannot be kept: you went back in it, and {error.left} was no longer as it had been "
             "then. Begin a new run."
         ) from None
-    except BaseException:
-        path.unlink(missing_ok=True)
-        raise
     return path
 
 
