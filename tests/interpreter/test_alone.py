@@ -144,12 +144,12 @@ USED_TWICE = """
   (var v := [2])
   (state left (onentry (spawn go slow (var speed := [v * 10]))))
   (state right (onentry (spawn go fast (var speed := [7])) (spawn rest r)))
-  (machine unused (state u)))
+)
 (machine go (var speed := [1]) (state slow) (state fast))
 (machine rest (state r))
 (machine lone (state l1) (state l2))
 (spawn m left)
-""".replace("  (machine unused (state u)))", ")")
+"""
 
 
 @every(

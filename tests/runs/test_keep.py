@@ -1,5 +1,6 @@
 """The present run is kept from its beginning, and is the same when it is run again."""
 
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -214,12 +215,8 @@ def test_a_run_in_which_no_file_can_hold_what_was_done_is_refused_and_leaves_no_
 
 
 def test_a_run_that_cannot_be_repeated_is_refused_and_leaves_no_file(tmp_path):
-    names = {"outside": [0]}
-    text = "(var n := [0]) (machine m (state a (running [n = outside.pop()]))) (spawn m a)"
-    names["outside"] = type(
-        "Counter", (), {"n": 0, "pop": lambda self: setattr(self, "n", self.n + 1) or self.n}
-    )()
-    with Session(text, clock=VirtualClock(), namespace=names) as session:
+    text = "(var n := [0]) (machine m (state a (running [n = outside()]))) (spawn m a)"
+    with Session(text, clock=VirtualClock(), namespace={"outside": count().__next__}) as session:
         session.run(1)
         with pytest.raises(ValueError, match="cannot be repeated exactly: `n` had another value"):
             session.keep(folder=tmp_path)
