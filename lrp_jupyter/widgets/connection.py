@@ -114,11 +114,6 @@ class PageConnection:
     def goal(self, goal: Goal | None) -> None:
         self._publisher.set_goal(goal)
 
-    @property
-    def offers_changes(self) -> bool:
-        """Whether changes are found for the program: in a challenge only if its teacher has them offered."""
-        return self._publisher.offers_changes
-
     # -- in: any thread ----------------------------------------------------------------------------
 
     def receive(self, send: Send, content: object, waits: bool = False) -> None:

@@ -253,11 +253,6 @@ class Publisher:
             self._search.attach(self.wake)
             self.send_snapshots()
 
-    @property
-    def offers_changes(self) -> bool:
-        """Whether changes are found for the program."""
-        return self.goal is None or self.goal.offers_changes
-
     def set_goal(self, goal: Goal | None) -> None:
         """Show a challenge from now on."""
         with self._lock:

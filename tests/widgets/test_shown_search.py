@@ -58,7 +58,7 @@ def test_in_a_challenge_changes_are_found_only_if_the_teacher_has_them_offered(s
     lab, page, end = searched(starter("robot 3"), world=task.worlds[0])
     lab.connection.goal = Goal(task)
     assert lab.connection.view_state()["search"] is None
-    assert "without the help of changes" in page.do("find_change")
+    assert "give the answer away" in page.do("find_change")
     lab.connection.goal = Goal(task, "changes")
     assert page.do("find_change") is None
     assert page.do("stop_search") is None

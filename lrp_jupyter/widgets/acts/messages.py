@@ -48,10 +48,6 @@ class OpenProgram(Protocol):
     def goal(self) -> Goal | None:
         """The challenge that the program is written for."""
 
-    @property
-    def offers_changes(self) -> bool:
-        """Whether changes are found for the program, which gives answers away."""
-
     def view_state(self) -> ViewState:
         """Return everything that a view may show now."""
 

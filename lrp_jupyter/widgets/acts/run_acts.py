@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 from typing import Annotated
 
-from lrp_jupyter.errors import LRPError
 from lrp_jupyter.widgets.acts.messages import OpenProgram, act
 from lrp_jupyter.widgets.acts.program_acts import Applied
 from lrp_jupyter.widgets.wire.codec import Between
@@ -65,10 +64,7 @@ def attach_runs(opened: OpenProgram, folder: str) -> None:
 @act()
 def find_change(opened: OpenProgram) -> None:
     """Search for the smallest change with which the program passes its challenge, and its kept runs."""
-    if not opened.offers_changes:
-        raise LRPError("This challenge is solved without the help of changes that are found for it.")
-    task = None if opened.goal is None else opened.goal.task
-    opened.search.begin(opened.session, opened.texts.text, task, opened.runs.all)
+    opened.search.begin(opened.session, opened.texts.text, opened.goal, opened.runs.all)
 
 
 @act()

@@ -8,12 +8,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from lrp_jupyter.errors import LRPError, sentence_of
-from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.workers import Halt, HowRun
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.repairs.answer import Repairs
 from lrp_jupyter.repairs.repair import repaired
 from lrp_jupyter.runs.kept_runs import KeptRun
+from lrp_jupyter.widgets.views.goal import Goal
 from lrp_jupyter.widgets.wire.protocol import SearchView
 
 _SEEDS = 5
@@ -45,8 +45,10 @@ class ShownSearch:
         """Have `wake` called when there is something to show."""
         self._wake = wake
 
-    def view(self, text: str) -> SearchView:
-        """Return what is shown beside a text."""
+    def view(self, session: Session, text: str, goal: Goal | None) -> SearchView | None:
+        """Return what is shown beside a text; None where no changes are offered: they give answers away."""
+        if not _is_offered(session, goal):
+            return None
         search = self._search or _OneSearch(text, busy=False)
         found = search.found
         return {
@@ -64,8 +66,14 @@ class ShownSearch:
             "error": search.error,
         }
 
-    def begin(self, session: Session, text: str, task: Challenge | None, kept: Sequence[KeptRun]) -> None:
-        """Begin a search; an earlier one ends. Raises LRPError: there is nothing to judge the program by."""
+    def begin(self, session: Session, text: str, goal: Goal | None, kept: Sequence[KeptRun]) -> None:
+        """Begin a search; an earlier one ends.
+
+        Raises LRPError: none is offered, or there is nothing to judge the program by.
+        """
+        if not _is_offered(session, goal):
+            raise LRPError("No changes are suggested here: they would give the answer away.")
+        task = None if goal is None else goal.task
         if task is None and not kept:
             raise LRPError("Keep a run first, and write what you expect of it: a change is judged by that.")
         self.stop()
@@ -103,3 +111,8 @@ class ShownSearch:
         if search is None or search.found is None or search.text != text:
             raise LRPError("The program has changed since this search. Search again.")
         return search.found.repairs[index].text
+
+
+def _is_offered(session: Session, goal: Goal | None) -> bool:
+    has_processes = session.driver != "asyncio"
+    return has_processes and (goal is None or goal.offers_changes)

@@ -177,13 +177,8 @@ class ViewStates:
             "attempts": {} if self._goal is None else self._goal.attempts(),
             "runs": self._runs.view(session, "" if self._goal is None else self._goal.task.name),
             "kept_runs": self._runs.kept(),
-            "search": self._search.view(texts.text) if self._offers_changes else None,
+            "search": self._search.view(session, texts.text, self._goal),
         }
-
-    @property
-    def _offers_changes(self) -> bool:
-        is_alone = self._session.driver != "asyncio"  # there are other processes
-        return is_alone and (self._goal is None or self._goal.offers_changes)
 
     def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:
         more, self._restarted = frame.restarts - self._restarted, frame.restarts
