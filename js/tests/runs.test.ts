@@ -42,7 +42,6 @@ const RUNS: RunsView = {
   folder: "follower.runs",
   attached: [],
   names: ["oval", "wall"],
-  waiting: 0,
   expected: "reaches follower/end",
   keeps: "",
   coverage: null,
@@ -232,14 +231,10 @@ describe("the search for a change", () => {
       {
         sentence: "`turn` 10 instead of 15 (line 2) passes in 2 of 2 runs (now 0).",
         line: 2,
-        passed: 2,
-        runs: 2,
       },
       {
         sentence: "`pace` 3 instead of 1 (line 1) passes in 1 of 2 runs (now 0).",
         line: 1,
-        passed: 1,
-        runs: 2,
       },
     ],
     answer: "Changing `lag` does not help.",

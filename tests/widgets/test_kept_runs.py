@@ -81,6 +81,23 @@ def test_what_is_expected_is_written_by_the_page_and_what_cannot_be_is_refused_t
     assert beside.runs.folder.joinpath(".removed", "edge.lrplog").exists()
 
 
+def test_only_a_run_that_has_changed_is_run_again_while_the_program_is_the_same(beside):
+    for name in ("one", "other"):
+        beside.keep(name, seconds=5)
+    beside.decided()
+
+    def states():
+        return {name: run["state"] for name, run in beside.runs.kept().items()}
+
+    assert beside.page.do("expect", name="one", expected="reaches away") is None
+    assert states()["other"] == "passed"
+    beside.decided()
+    assert states() == {"one": "failed", "other": "passed"}
+    beside.page.do("forget_run", name="other")
+    beside.keep("other", seconds=1)  # another one of this name
+    assert beside.decided()["other"]["seconds"] == pytest.approx(11, abs=0.11)
+
+
 def test_a_new_run_begins_at_the_start_and_the_recordings_of_a_folder_are_shown_too(beside, tmp_path):
     beside.session.run(3)
     assert beside.page.do("new_run") is None

@@ -1,7 +1,7 @@
 """The runs that are kept beside a program: run again, in processes of their own, with every new program.
 
 One thread, which mostly waits, has them run: when there is a newer program, the runs of the one before are
-ended. What was known of a run stays in view until it is known with the new program. All else is called by
+ended; when only a run has changed, the others are not run again. What was known of a run stays in view until it is known with the new program. All else is called by
 the publisher, or is what a person does, on the worker's thread.
 """
 
@@ -29,7 +29,7 @@ from lrp_jupyter.runs.expectation import AS_RECORDED, ExpectedPart, expectation
 from lrp_jupyter.runs.kept_runs import KeptRun, expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP, RunOutcome, StateEntered
 from lrp_jupyter.widgets.views.shown_moment import Looking
-from lrp_jupyter.widgets.wire.protocol import CoverageView, KeptRunView, OneWay, RunsView
+from lrp_jupyter.widgets.wire.protocol import CoverageView, KeptRunView, OneWay, RunsView, RunVerdict
 
 _LIMIT = 10.0  # s of computing that a run may take
 
@@ -48,20 +48,16 @@ class ShowsRuns(Protocol):
 
 
 class ShownRuns:
-    """The kept runs of one program.
+    """The kept runs of one program; new ones are kept in `folder`."""
 
-    `folder`: where new ones are kept.
-    `attached`: further folders, whose runs are shown, too.
-    """
-
-    def __init__(self, folder: Path, attached: Iterable[Path] = ()) -> None:
+    def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.attached = list(attached)
+        self.attached: list[Path] = []  # further folders, whose runs are shown, too
         self._lock = threading.Condition()  # of everything below
         self._runs: tuple[KeptRun, ...] = ()
         self._by_name: dict[str, KeptRun] = {}  # as they are shown
         self._outcomes: dict[Path, RunOutcome] = {}
-        self._decided: set[Path] = set()  # those of which the outcome is that of the wanted program
+        self._decided: set[KeptRun] = set()  # those of which the outcome is that of the wanted program
         self._views: dict[Path, tuple[object, KeptRunView]] = {}  # and of what each was made
         self._coverage: CoverageView | None = None  # of all runs, once they are decided about
         self._wanted: tuple[Session, Program] | None = None
@@ -95,13 +91,15 @@ class ShownRuns:
         if session.driver == "asyncio":  # where there are no processes
             return None
         if self._wanted is None or self._wanted[1] is not session.program:
-            self._want(session)
+            with self._lock:
+                self._wanted = session, session.program
+                self._decided.clear()
+                self._begin()
         with self._lock:
             return {
                 "folder": self.folder.name,
                 "attached": [shown(each) for each in self.attached],
                 "names": [*self._by_name],
-                "waiting": len(self._runs) - len(self._decided),
                 "expected": str(ExpectedPart("meets", challenge)) if challenge else AS_RECORDED,
                 "keeps": unkept(session._loop),
                 "coverage": self._coverage,
@@ -115,7 +113,7 @@ class ShownRuns:
 
     def _run_view(self, run: KeptRun) -> KeptRunView:
         """Return what is shown of a run: the same object as long as it is the same."""
-        made_of = run, self._outcomes.get(run.file), run.file in self._decided
+        made_of = run, self._outcomes.get(run.file), run in self._decided
         known, view = self._views.get(run.file, (None, None))
         if view is None or known != made_of:
             view = _run_view(*made_of)
@@ -124,18 +122,15 @@ class ShownRuns:
 
     # -- deciding: on a thread of its own --------------------------------------------------------------
 
-    def _want(self, session: Session) -> None:
-        """Have the runs run again with the present program, and no more with an earlier one."""
-        with self._lock:
-            self._wanted = session, session.program
-            self._number += 1
-            self._decided.clear()
-            self._coverage = None
-            self._halt.set()
-            self._lock.notify_all()
-            if self._thread is None and session.driver != "asyncio":
-                self._thread = threading.Thread(target=self._decide_all, name="lrp runs", daemon=True)
-                self._thread.start()
+    def _begin(self) -> None:
+        """Have those run again that are not decided; the lock is held."""
+        self._number += 1
+        self._coverage = None
+        self._halt.set()
+        self._lock.notify_all()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._decide_all, name="lrp runs", daemon=True)
+            self._thread.start()
 
     def _decide_all(self) -> None:
         done = 0
@@ -165,6 +160,10 @@ class ShownRuns:
         """Look which runs there are now."""
         found = kept_runs([each for each in (self.folder, *self.attached) if each.exists()])
         with self._lock:
+            files = {run.file for run in found}
+            self._outcomes = {file: each for file, each in self._outcomes.items() if file in files}
+            self._views = {file: each for file, each in self._views.items() if file in files}
+            self._decided.intersection_update(found)
             self._runs, self._by_name = found, {}
             for run in found:
                 name = run.name
@@ -173,28 +172,30 @@ class ShownRuns:
                 self._by_name[name] = run
 
     def _decide(self, session: Session, program: Program, number: int, halt: Halt) -> None:
-        if not program.text:
-            return
 
         def told(run: KeptRun, outcome: RunOutcome) -> None:
             with self._lock:
                 self._outcomes[run.file] = outcome
                 if number == self._number:
-                    self._decided.add(run.file)
+                    self._decided.add(run)
             self._wake()
 
         with self._lock:
             known = self._outcomes
-            first = sorted(self._runs, key=lambda run: run.file in known and known[run.file].passed)
-        how = HowRun(limit=_LIMIT, namespace=session.namespace, behind=True)
-        decide(program, first, how, told=told, halt=halt)
+            open_ones = [run for run in self._runs if run not in self._decided]
+            open_ones.sort(key=lambda run: run.file in known and known[run.file].passed)
+        if program.text and open_ones:
+            how = HowRun(limit=_LIMIT, namespace=session.namespace, behind=True)
+            decide(program, open_ones, how, told=told, halt=halt)
 
     # -- what a person does: on the worker's thread --------------------------------------------------------
 
-    def _changed(self) -> None:
-        """Look for the runs again, and run them."""
-        if self._wanted is not None:
-            self._want(self._wanted[0])
+    def _changed(self, *changed: KeptRun) -> None:
+        """Look which runs there are, and run those again that have changed."""
+        with self._lock:
+            self._decided.difference_update(changed)
+            if self._wanted is not None:
+                self._begin()
         self._wake()
 
     def _named(self, name: str) -> KeptRun:
@@ -211,11 +212,9 @@ class ShownRuns:
 
     def keep(self, session: Session, name: str, expected: str) -> None:
         """Keep the present run."""
-        line = str(expectation(expected))  # before anything is written
-        file = session.keep(name, self.folder)
-        new = next(run for run in kept_runs(file))
-        expect(new, line)
-        self._changed()
+        expectation(expected)  # before anything is written
+        (new,) = kept_runs(session.keep(name, self.folder))
+        self._changed(expect(new, expected))
 
     def begin(self, session: Session) -> None:
         """Begin a new run, which can be kept."""
@@ -224,13 +223,11 @@ class ShownRuns:
 
     def expect(self, name: str, expected: str) -> None:
         """Write what is expected of a run."""
-        expect(self._named(name), expected)
-        self._changed()
+        self._changed(expect(self._named(name), expected))
 
     def rename(self, name: str, new_name: str) -> None:
         """Give a run another name."""
-        rename(self._named(name), new_name)
-        self._changed()
+        self._changed(rename(self._named(name), new_name))
 
     def forget(self, name: str) -> None:
         """Remove a run."""
@@ -247,8 +244,9 @@ class ShownRuns:
 
     def accept(self, session: Session, name: str) -> None:
         """Record a run again with the present program."""
-        record_again(self._named(name).file, session.program.text, session.namespace)
-        self._changed()
+        run = self._named(name)
+        record_again(run.file, session.program.text, session.namespace)
+        self._changed(run)
 
     def show(self, opened: ShowsRuns, name: str) -> None:
         """Run a run again in the lab, and look at where it differs or fails, else at its end."""
@@ -276,16 +274,11 @@ class ShownRuns:
 def _run_view(run: KeptRun, outcome: RunOutcome | None, is_decided: bool) -> KeptRunView:
     known = outcome or RunOutcome()
     lane = _lane(known)
+    verdict: RunVerdict = "problem" if known.problem else "passed" if known.passed else "failed"
     return {
         "expected": run.expected,
         "seconds": round(known.seconds, 3),
-        "state": "waiting"
-        if not is_decided
-        else "problem"
-        if known.problem
-        else "passed"
-        if known.passed
-        else "failed",
+        "state": verdict if is_decided else "waiting",
         "reason": known.reason,
         "differs": (known.time, known.difference) if known.difference else None,
         "open_loop": "" if known.open_loop is None else OPEN_LOOP,

@@ -58,10 +58,7 @@ class ShownSearch:
             "answer": "" if found is None else found.remarks,
             "changes": []
             if found is None
-            else [
-                {"sentence": each.sentence, "line": each.line, "passed": each.passed, "runs": each.runs}
-                for each in found.shown
-            ],
+            else [{"sentence": each.sentence, "line": each.line} for each in found.shown],
             "stale": search.text != text,
             "error": search.error,
         }

@@ -478,7 +478,6 @@ class RunsView(TypedDict):
     folder: str  # where new ones are kept
     attached: list[str]  # further folders
     names: list[str]  # of the runs, in the order in which they are shown
-    waiting: int  # runs that have not been run again with the present text
     expected: str  # what to expect of the present run if it is kept, as a proposal
     keeps: str  # why the present run cannot be kept; empty if it can
     coverage: CoverageView | None  # None until all runs have been run again
@@ -490,8 +489,6 @@ class FoundChangeView(TypedDict):
 
     sentence: str
     line: int  # from 1
-    passed: int
-    runs: int
 
 
 class SearchView(TypedDict):
