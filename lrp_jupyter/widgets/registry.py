@@ -181,7 +181,8 @@ def open_program(
         connection.runs.attach_folder(FilePath(folder or os.getcwd()) / FilePath(runs).expanduser())
     if conditions is not None:
         connection.texts.set_conditions(conditions)
-    if task is not None and (connection.goal is None or connection.goal.task != task):
+    goal = connection.goal
+    if task is not None and (goal is None or (goal.task, goal.hints) != (task, hints)):
         connection.goal = Goal(task, hints)
     if text:
         connection.texts.line = line

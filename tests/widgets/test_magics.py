@@ -485,6 +485,9 @@ def test_a_cell_for_a_challenge_opens_its_world_and_shows_its_goal(shell):
     cell(shell, 'mine --challenge "stop at the line"', B)
     assert lab._connection.goal is goal
     assert lab.text == B
+    assert not goal.offers_changes
+    cell(shell, 'mine --challenge "stop at the line" --hints changes', B)
+    assert lab._connection.goal.offers_changes
 
 
 def test_an_empty_cell_for_a_challenge_begins_with_its_text(shell):

@@ -64,9 +64,7 @@ class Goal:
     """The challenge of one open program."""
 
     def __init__(self, task: Challenge, hints: Hints = "sentences") -> None:
-        self.task = task
-        self.offers_changes = hints == "changes" and not task.exam
-        """Whether changes are found with which a program passes."""
+        self.task, self.hints = task, hints
         self._worlds = [load(world) for world in task.worlds]
         self._outlines = [_outline(world) for world in self._worlds]
         self._world = 0
@@ -82,6 +80,11 @@ class Goal:
         """Waits until the text is stored, where a check may not return."""
         self._wake: Callable[[], None] = lambda: None
         self._end: Callable[[], None] = lambda: None
+
+    @property
+    def offers_changes(self) -> bool:
+        """Whether changes are found with which a program passes."""
+        return self.hints == "changes" and not self.task.exam
 
     # -- the present run: on the loop's thread --------------------------------------------------------
 
