@@ -2,9 +2,11 @@
 
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { coverageWords, reachedBy, reachWords } from "../src/parts/coverage";
+import { proposing } from "../src/parts/expected";
 import { reasonOf } from "../src/parts/runs";
 import { stripWords, visitsOf } from "../src/parts/strip";
-import type { CoverageView, KeptRunView, ProgramView, RunsView, SearchView } from "../src/protocol";
+import type { CoverageView, GoalView, KeptRunView, ProgramView, RunsView, SearchView } from "../src/protocol";
+import { initialState } from "../src/session/state";
 import { Page } from "./opened";
 import recording from "./page/recording.json";
 
@@ -205,8 +207,17 @@ describe("the panel of runs", () => {
   });
 });
 
+it("a challenge with a comma in its name is proposed as it is to be written", () => {
+  const runs = { ...RUNS, expected: "meets `a, b`" };
+  const state = { ...initialState(), goal: { name: "a, b" } as GoalView, runs };
+  const lines = proposing(document.createElement("input"), state).querySelectorAll("option");
+  expect([...lines].map(({ value }) => value)).toEqual(["as recorded", "never touches", "meets `a, b`"]);
+});
+
 it("a reason has the first difference once, and the issues", () => {
-  expect(reasonOf({ ...RUN, ...FAILED, issues: 1 })).toBe(`Differs at 12.3 s: ${LATER} 1 issue at its end.`);
+  expect(reasonOf({ ...RUN, ...FAILED, issues: 1 })).toBe(
+    `Differs at 12.3 s: ${LATER} It ends with 1 issue.`,
+  );
   expect(reasonOf({ ...RUN, ...FAILED, reason: "`end` is not entered in 20 s." })).toBe(
     `\`end\` is not entered in 20 s. Differs at 12.3 s: ${LATER}`,
   );

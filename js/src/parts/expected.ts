@@ -4,21 +4,14 @@ import type { LabState } from "../session/state";
 import { linkButton } from "../ui/button";
 import { freshId, h } from "../ui/dom";
 
-/** Every line that is proposed, with the states of the program, and the challenge that it is written for. */
-export function expectations({ program, goal }: Pick<LabState, "program" | "goal">): string[] {
-  const states = program.machines.flatMap((machine) => machine.states.map(({ path }) => path));
-  return [
-    "as recorded",
-    "never touches",
-    ...(goal ? [`meets ${goal.name}`] : []),
-    ...["reaches", "never enters"].flatMap((verb) => states.map((state) => `${verb} ${state}`)),
-  ];
-}
-
 /** Make a field propose what can be expected; returns what stands below it: how such a line can begin. */
-export function proposing(input: HTMLInputElement, state: LabState): HTMLElement {
+export function proposing(input: HTMLInputElement, { program, goal, runs }: LabState): HTMLElement {
+  const states = program.machines.flatMap((machine) => machine.states.map(({ path }) => path));
+  const meets = goal && runs ? [runs.expected] : [];
+  const forms = ["as recorded", "never touches", ...meets, "reaches ", "never enters "];
+  const lines = forms.flatMap((form) => (form.endsWith(" ") ? states.map((state) => form + state) : [form]));
   const id = freshId();
-  const list = h("datalist", { id }, ...expectations(state).map((value) => h("option", { value })));
+  const list = h("datalist", { id }, ...lines.map((value) => h("option", { value })));
   input.setAttribute("list", id);
   const write = (text: string) => {
     const before = /^.*,/.exec(input.value)?.[0] ?? "";
@@ -26,15 +19,7 @@ export function proposing(input: HTMLInputElement, state: LabState): HTMLElement
     input.focus();
     if (text.endsWith(" ")) show(input);
   };
-  const { goal } = state;
-  const words = [
-    "as recorded",
-    "reaches ",
-    "never enters ",
-    "never touches",
-    goal ? `meets ${goal.name}` : "meets ",
-  ];
-  const buttons = words.map((text) =>
+  const buttons = [...forms, ...(meets.length ? [] : ["meets "])].map((text) =>
     linkButton(text.endsWith(" ") ? `${text}…` : text, {
       "data-lrp-action": "expectation",
       onclick: () => write(text),

@@ -149,7 +149,7 @@ export function reasonOf({
 }: Pick<KeptRunView, "reason" | "differs" | "issues">): string {
   const other =
     differs && !reason.includes(differs[1]) ? `differs at ${differs[0].toFixed(1)} s: ${differs[1]}` : "";
-  const found = issues ? `${issues === 1 ? "1 issue" : `${issues} issues`} at its end.` : "";
+  const found = issues ? `It ends with ${issues === 1 ? "1 issue" : `${issues} issues`}.` : "";
   return [reason, other, found].filter(Boolean).map(sentence).join(" ");
 }
 
