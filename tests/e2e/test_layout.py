@@ -159,7 +159,11 @@ def test_every_panel_has_its_place_on_paper_and_in_every_window_light_and_dark(o
                 has_every_tab_in_reach(lab)
             (is_side_by_side if width >= 1280 else is_stacked)(lab)
         axe.finds_nothing_serious(lab)
+    panels = lab.find(".lrp-panels")
+    assert panels.evaluate("panels => { panels.scrollTop = 1000; return panels.scrollTop; }") > 0
     page.set_viewport_size({"width": 1280, "height": 800})
+    lab.until(STACKED, ".lrp-panels", False)
+    assert panels.evaluate("panels => panels.scrollTop") == 0
     lab.root.evaluate("root => root.scrollIntoView()")
     for part in PANELS:
         in_sight(lab, f'[data-lrp="{part}"]')

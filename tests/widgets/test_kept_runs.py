@@ -143,6 +143,7 @@ def test_what_no_run_has_reached_is_shown_by_the_numbers_of_the_runs(beside):
     assert coverage["states"] == {"laps/ahead": [0, 1], "laps/aside": [1], "laps/away": [1]}
     assert coverage["transitions"]["laps/on:ahead->aside"] == []
     assert coverage["conditions"] == {"laps/on:ahead->aside": "never true"}
+    assert coverage["words"].startswith("Reached: 3 of 3 states, ")
 
 
 ROOM = World(

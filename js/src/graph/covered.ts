@@ -32,11 +32,11 @@ export function drawReached(root: SVGElement, { reached: wanted, settings }: Lab
       else node.append(s("text", place, ` ${times}`));
     }
   }
-  for (const part of root.querySelectorAll(".lrp-transition, .lrp-label")) {
+  for (const part of root.querySelectorAll(".lrp-transition, .lrp-label, .lrp-halo")) {
     const path = part.getAttribute("data-of") ?? "";
     const times = timesReached(reached, "transition", path);
     setAttribute(part, "data-reached", times);
-    if (!part.matches(".lrp-label")) continue;
+    if (part.matches(".lrp-transition")) continue;
     const figure = part.querySelector(":scope > .lrp-reached");
     const words = `${times}${onlyWay(reached, "transition", path) ? " ◐" : ""}`;
     if (times === null) figure?.remove();

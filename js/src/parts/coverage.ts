@@ -33,7 +33,7 @@ export function coverageSwitch({ store }: Pick<Lab, "store">): KeptSwitch {
 
 /** What was reached, by the names of the runs; what no run reaches has none of them. */
 export function reachedBy(
-  { states, transitions, conditions }: CoverageView,
+  { states, transitions, conditions, words }: CoverageView,
   names: readonly string[],
   { machines }: Pick<ProgramView, "machines">,
 ): Reached {
@@ -47,7 +47,7 @@ export function reachedBy(
   for (const [path, numbers] of Object.entries(transitions))
     reached.set(keyOf("transition", transitionAt(path)), named(numbers));
   const ways = Object.entries(conditions).map(([path, way]) => [transitionAt(path), way]);
-  return { runs: names.length, names: reached, conditions: Object.fromEntries(ways) };
+  return { runs: names.length, names: reached, conditions: Object.fromEntries(ways), words };
 }
 
 /** How many runs reach an element; null where that is not shown, or not known. */
@@ -77,25 +77,4 @@ export const counted = (runs: number) => (runs === 1 ? "1 run" : `${runs} runs`)
 function listed(names: readonly string[]): string {
   const more = names.length - MOST_NAMES;
   return names.slice(0, MOST_NAMES).join(", ") + (more > 0 ? ` and ${more} more` : "");
-}
-
-/** What all runs reach together, in a few sentences. */
-export function coverageWords({ names, conditions }: Reached): string {
-  const counts: string[] = [];
-  const missing: string[] = [];
-  const name = (words: string, paths: readonly string[]) => {
-    if (paths.length) missing.push(`${words}: ${listed(paths.map((path) => `\`${path}\``))}.`);
-  };
-  for (const [kind, verb] of Object.entries(VERBS)) {
-    const all = [...names].filter(([key]) => key.startsWith(`${kind} `));
-    const left = all.filter(([, found]) => !found.length).map(([key]) => key.slice(kind.length + 1));
-    if (all.length) counts.push(`${all.length - left.length} of ${all.length} ${kind}s ${verb}`);
-    name(`Never ${verb}`, left);
-  }
-  for (const way of ["never true", "never false"] as const)
-    name(
-      `Conditions that were ${way}`,
-      Object.keys(conditions).filter((path) => conditions[path] === way),
-    );
-  return [`${counts.join(", ")}.`, ...missing].join(" ");
 }

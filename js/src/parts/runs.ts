@@ -11,7 +11,7 @@ import { ABSENT } from "../ui/layout";
 import { item, menuButton } from "../ui/menu";
 import { TRAIL_COLORS, trailStyles } from "../world/legend";
 import type { Style } from "../world/palette";
-import { counted, coverageWords } from "./coverage";
+import { counted } from "./coverage";
 import { proposing } from "./expected";
 import { keepButton } from "./keep";
 import { isCheckFailed, searchView } from "./search";
@@ -115,7 +115,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
   store.watch(["reached"], () => {
     const found = store.state.reached;
     setHidden(reached, !found);
-    if (found) setProse(reached, coverageWords(found));
+    if (found) setProse(reached, found.words);
   });
   return element;
 }

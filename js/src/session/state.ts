@@ -37,6 +37,8 @@ export interface Reached {
   /** Their names, by kind and path of the element. */
   names: ReadonlyMap<string, readonly string[]>;
   conditions: Readonly<Record<string, OneWay>>;
+  /** What all of them reach together. */
+  words: string;
 }
 
 /** What a snapshot brings, of which answers and worlds replace some; its other fields belong to the editor. */

@@ -306,6 +306,7 @@ def _coverage_view(program: Program, runs: Sequence[Mapping[str, Sequence[str]]]
         "states": reached("states", coverage.states),
         "transitions": reached("transitions", coverage.transitions),
         "conditions": ways,
+        "words": str(coverage).replace("\n", " "),
     }
 
 

@@ -470,6 +470,7 @@ class CoverageView(TypedDict):
     states: dict[str, list[int]]  # in which each state was entered
     transitions: dict[str, list[int]]  # in which each transition fired
     conditions: dict[str, OneWay]  # of transitions: how those came out that did not come out both ways
+    words: str  # all of this in sentences
 
 
 class RunsView(TypedDict):
