@@ -1,8 +1,9 @@
 """The runs that are kept beside a program: run again, in processes of their own, with every new program.
 
 One thread, which mostly waits, has them run: when there is a newer program, the runs of the one before are
-ended; when only a run has changed, the others are not run again. What was known of a run stays in view until it is known with the new program. All else is called by
-the publisher, or is what a person does, on the worker's thread.
+ended; when only a run has changed, the others are not run again. What was known of a run stays in view until
+it is known with the new program. All else is called by the publisher, or is what a person does, on the
+worker's thread.
 """
 
 from __future__ import annotations
