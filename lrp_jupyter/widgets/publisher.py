@@ -244,14 +244,17 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(
-                session, self._saver, self._layouts, self._runs, self._search, self.goal
-            )
+            self._begin_states()
             if self.goal is not None:
                 self.goal.attach(session, self.wake)
             self._runs.attach(self.wake)
             self._search.attach(self.wake)
             self.send_snapshots()
+
+    def _begin_states(self) -> None:
+        self._view_states = ViewStates(
+            self.session, self._saver, self._layouts, self._runs, self._search, self.goal
+        )
 
     def set_goal(self, goal: Goal | None) -> None:
         """Show a challenge from now on."""
@@ -261,9 +264,7 @@ class Publisher:
             self.goal = goal
             if goal is not None:
                 goal.attach(self.session, self.wake)
-            self._view_states = ViewStates(
-                self.session, self._saver, self._layouts, self._runs, self._search, goal
-            )
+            self._begin_states()
             self.send_snapshots()
 
     def send_snapshots(self) -> None:

@@ -76,7 +76,7 @@ def test_what_is_expected_is_written_by_the_page_and_what_cannot_be_is_refused_t
     assert {name: run["expected"] for name, run in beside.decided().items()} == {
         "edge": "reaches away within 30 s"
     }
-    assert beside.page.do("expect", name="wall", expected="") == "There is no run `wall` any more."
+    assert beside.page.do("expect", name="wall", expected="") == "The run `wall` no longer exists."
     beside.page.do("forget_run", name="edge")
     assert beside.runs.folder.joinpath(".removed", "edge.lrplog").exists()
 

@@ -212,7 +212,7 @@ function makeRun(lab: Lab, index: number, keep: (index: number) => Promise<void>
   });
   const keeping = button({
     label: "Keep",
-    title: "Keep this run as an example, and run it again after every edit",
+    title: "Keep this run as an example that runs again after every edit",
     action: "keep-attempt",
     onclick: async () => {
       keeping.disabled = true;

@@ -6,7 +6,7 @@ import { h, setAttribute, setHidden, setProse, unmarked } from "../ui/dom";
 import { proposing } from "./expected";
 import { noteForm } from "./form";
 
-const KEEPS = "Keep this run, from its beginning until now, as an example: after every edit it is run again";
+const KEEPS = "Keep this run, from its beginning until now, as an example that runs again after every edit";
 
 /** A form that asks the kernel; it closes when that has agreed, and what it refuses stays as it was typed. */
 function asking(
@@ -78,7 +78,7 @@ export function attachForm(lab: Lab): { element: HTMLElement; open: () => void }
   const folder = field("Folder with recordings", { placeholder: "runs/" });
   const form = asking(
     "Attach runs",
-    [h("label", {}, "Show and run the recordings of the folder "), folder],
+    [h("label", {}, "Show and run the recordings in the folder "), folder],
     primary("Attach", "attach-runs-now"),
     [],
     () => lab.act({ do: "attach_runs", folder: folder.value.trim() }, true),

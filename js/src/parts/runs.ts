@@ -18,7 +18,7 @@ import { isCheckFailed, searchView } from "./search";
 import { drawStrip, STRIP, stripWords } from "./strip";
 
 const EMPTY =
-  "A run that is kept here is an example: after every edit it is run again, and you see whether what you expect of it still holds. Let the robot drive, then choose Keep this run.";
+  "A run that you keep here is an example: after every edit it runs again, and you see whether it still does what you expect. Let the robot drive, then choose Keep this run.";
 const COVERAGE =
   "Show in the text and in the graph how many runs enter each state and fire each transition; what no run reaches is hatched or faint";
 const MARKS: Record<RunVerdict, string> = { passed: "✓", failed: "✗", problem: "!", waiting: "…" };
@@ -55,7 +55,7 @@ export function runsView(lab: Lab, coverage: KeptSwitch, keep: () => void, attac
     }),
     button({
       ...{ icon: "folder", label: "Attach runs…", action: "attach-runs", onclick: attach },
-      title: "Show and run the recordings of another folder, too",
+      title: "Also show and run the recordings in another folder",
     }),
     covers,
     // in the place of the last three where there is little room
@@ -202,7 +202,7 @@ class RunRow {
       onclick: () => this.expect(),
     });
     this.accept = linkButton("Take as expected", {
-      title: "What the run is with the present program replaces what was recorded",
+      title: "Replace the recording by this run with the present program",
       "data-lrp-action": "accept-run",
       onclick: () => void this.accepted(),
     });

@@ -1,4 +1,4 @@
-/** The search for the smallest change of the program with which all runs pass, and what it has found. */
+/** The search for the smallest change that makes the program pass all runs, and what it has found. */
 
 import type { FoundChangeView, GoalView, SearchView } from "../protocol";
 import type { Lab } from "../session/store";
@@ -9,7 +9,7 @@ import { h, reconcile, setAttribute, setHidden, setProse, setText } from "../ui/
 export function findButton(onclick: () => void): HTMLButtonElement {
   return button({
     ...{ icon: "search", label: "Find a change", action: "find-change", onclick },
-    title: "Search for the smallest change of the program with which all runs pass",
+    title: "Search for the smallest change that makes the program pass all runs",
   });
 }
 
@@ -30,7 +30,7 @@ export function searchView(lab: Lab): { element: HTMLElement; update: (failed: b
   };
   const find = findButton(() => void act({ do: "find_change" }));
   const stop = button({
-    ...{ label: "Stop", title: "End the search, with what was found until then", action: "stop-search" },
+    ...{ label: "Stop", title: "End the search, and show what it has found so far", action: "stop-search" },
     onclick: () => void act({ do: "stop_search" }),
   });
   const progress = h("span", { role: "status" });

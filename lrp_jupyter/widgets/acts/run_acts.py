@@ -36,7 +36,7 @@ def show_run(opened: OpenProgram, name: str) -> Applied:
 
 @act(30.0)
 def accept_run(opened: OpenProgram, name: str) -> Applied:
-    """Take what a kept run is with the present program as what was recorded."""
+    """Record a kept run again with the present program."""
     return opened.work(partial(opened.runs.accept, opened.session, name))
 
 
@@ -54,7 +54,7 @@ def forget_run(opened: OpenProgram, name: str) -> None:
 
 @act()
 def attach_runs(opened: OpenProgram, folder: str) -> None:
-    """Show and run the recordings of another folder, too."""
+    """Also show and run the recordings in another folder."""
     opened.runs.attach_folder(folder)
 
 
@@ -63,13 +63,13 @@ def attach_runs(opened: OpenProgram, folder: str) -> None:
 
 @act()
 def find_change(opened: OpenProgram) -> None:
-    """Search for the smallest change with which the program passes its challenge, and its kept runs."""
+    """Search for the smallest change that makes the program pass its challenge and its kept runs."""
     opened.search.begin(opened.session, opened.texts.text, opened.goal, opened.runs.all)
 
 
 @act()
 def stop_search(opened: OpenProgram) -> None:
-    """End the search, with what was found until then."""
+    """End the search; what it has found so far is its answer."""
     opened.search.stop()
 
 

@@ -58,9 +58,9 @@ class ShownRuns:
         self._runs: tuple[KeptRun, ...] = ()
         self._by_name: dict[str, KeptRun] = {}  # as they are shown
         self._outcomes: dict[Path, RunOutcome] = {}
-        self._decided: set[KeptRun] = set()  # those of which the outcome is that of the wanted program
+        self._decided: set[KeptRun] = set()  # their outcomes are those of the wanted program
         self._views: dict[Path, tuple[object, KeptRunView]] = {}  # and of what each was made
-        self._coverage: CoverageView | None = None  # of all runs, once they are decided about
+        self._coverage: CoverageView | None = None  # of all runs, once all are decided
         self._wanted: tuple[Session, Program] | None = None
         self._number = 0  # of what is wanted
         self._halt = Halt()
@@ -88,7 +88,7 @@ class ShownRuns:
             self._lock.notify_all()
 
     def view(self, session: Session, challenge: str = "") -> RunsView | None:
-        """Return what is shown of all; have the runs run again if there is another program."""
+        """Return what is shown of all runs together; run them again if there is another program."""
         if session.driver == "asyncio":  # where there are no processes
             return None
         if self._wanted is None or self._wanted[1] is not session.program:
@@ -202,7 +202,7 @@ class ShownRuns:
     def _named(self, name: str) -> KeptRun:
         with self._lock:
             if name not in self._by_name:
-                raise LRPError(f"There is no run `{name}` any more.")
+                raise LRPError(f"The run `{name}` no longer exists.")
             return self._by_name[name]
 
     @property

@@ -1,4 +1,4 @@
-"""The search for the smallest change with which a program passes, as a page shows it."""
+"""The search for the smallest change that makes a program pass, as a page shows it."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class _OneSearch:
 
 
 class ShownSearch:
-    """The last search of a program; each is made on a thread of its own, and its runs in other processes."""
+    """The last search for a program: on a thread of its own, with its runs in other processes."""
 
     def __init__(self) -> None:
         self._search: _OneSearch | None = None
@@ -95,7 +95,7 @@ class ShownSearch:
         self._wake()
 
     def stop(self) -> None:
-        """End the search, with what was found until then."""
+        """End the search; what it has found so far is its answer."""
         if self._search is not None:
             self._search.halt.set()
 

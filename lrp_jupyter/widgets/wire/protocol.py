@@ -486,14 +486,14 @@ class RunsView(TypedDict):
 
 
 class FoundChangeView(TypedDict):
-    """A small change of the program with which it passes more runs."""
+    """A small change that makes the program pass more runs."""
 
     sentence: str
     line: int  # from 1
 
 
 class SearchView(TypedDict):
-    """The search for the smallest change with which the program passes its challenge, and its kept runs."""
+    """The search for the smallest change that makes the program pass its challenge and its kept runs."""
 
     busy: bool
     made: int  # runs
