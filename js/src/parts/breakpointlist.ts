@@ -3,7 +3,7 @@
 import type { BreakpointView } from "../protocol";
 import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
-import { iconButton, linkButton, panel, setSwitch, toggle } from "../ui/button";
+import { disabledDuring, iconButton, linkButton, panel, setSwitch, toggle } from "../ui/button";
 import { freshId, h, reconcile, setAttribute, setHidden, setProse, setText } from "../ui/dom";
 import { hasFocus } from "../ui/root";
 import { ELEMENT_OF } from "./breakpoints";
@@ -124,10 +124,9 @@ function conditionForm(lab: Lab): HTMLElement {
       onsubmit: async (event: Event) => {
         event.preventDefault();
         if (add.disabled) return;
-        add.disabled = true;
         const { value } = field;
-        const refused = await lab.act({ do: "add_breakpoint", kind: "condition", expression: value }, true);
-        add.disabled = false;
+        const added = lab.act({ do: "add_breakpoint", kind: "condition", expression: value }, true);
+        const refused = await disabledDuring(add, added);
         show(refused);
         if (!refused && field.value === value) field.value = "";
       },

@@ -2,7 +2,7 @@
 
 import type { AttemptView, CheckView, CriterionView, GoalView, OutlineView } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, panel } from "../ui/button";
+import { button, disabledDuring, panel } from "../ui/button";
 import { h, reconcile, s, setAttribute, setChoices, setHidden, setProse, setText } from "../ui/dom";
 import { ABSENT } from "../ui/layout";
 import { findButton, isCheckFailed } from "./search";
@@ -204,21 +204,13 @@ function makeRun(lab: Lab, index: number, keep: (index: number) => Promise<void>
     label: "Show",
     title: "Repeat this run in the lab, and look at the moment at which it failed",
     action: "show-attempt",
-    onclick: async () => {
-      show.disabled = true; // it may take some seconds
-      await lab.act({ do: "show_attempt", index });
-      show.disabled = false;
-    },
+    onclick: () => void disabledDuring(show, lab.act({ do: "show_attempt", index })), // it may take some seconds
   });
   const keeping = button({
     label: "Keep",
     title: "Keep this run as an example that runs again after every edit",
     action: "keep-attempt",
-    onclick: async () => {
-      keeping.disabled = true;
-      await keep(index);
-      keeping.disabled = false;
-    },
+    onclick: () => void disabledDuring(keeping, keep(index)),
   });
   const picture = s("svg", { class: "lrp-outline", "aria-hidden": "true" });
   const words = h("div", {}, h("div", { class: "lrp-attempt-name" }), h("div", { class: "lrp-faint" }));

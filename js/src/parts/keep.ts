@@ -1,7 +1,7 @@
 /** Keep the present run as an example, and show those of another folder, too. */
 
 import type { Lab } from "../session/store";
-import { type ButtonOptions, button } from "../ui/button";
+import { type ButtonOptions, button, disabledDuring } from "../ui/button";
 import { h, setAttribute, setHidden, setProse, unmarked } from "../ui/dom";
 import { proposing } from "./expected";
 import { noteForm } from "./form";
@@ -19,9 +19,7 @@ function asking(
   const error = h("p", { class: "lrp-error", role: "alert" });
   const submit = async () => {
     if (answer.disabled) return;
-    answer.disabled = true; // it may take a moment
-    const refusal = await ask();
-    answer.disabled = false;
+    const refusal = await disabledDuring(answer, ask()); // it may take a moment
     setProse(error, refusal ?? "");
     if (!refusal) form.close();
   };

@@ -3,7 +3,7 @@
 import { nameOf } from "../language/paths";
 import type { KeptRunView, RunVerdict } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, linkButton, panel, setSwitch, toggle } from "../ui/button";
+import { button, disabledDuring, linkButton, panel, setSwitch, toggle } from "../ui/button";
 import { h, reconcile, s, setAttribute, setHidden, setProse, setText } from "../ui/dom";
 import { editing } from "../ui/editing";
 import type { KeptSwitch } from "../ui/kept";
@@ -204,7 +204,7 @@ class RunRow {
     this.accept = linkButton("Take as expected", {
       title: "Replace the recording by this run with the present program",
       "data-lrp-action": "accept-run",
-      onclick: () => void this.accepted(),
+      onclick: () => void disabledDuring(this.accept, lab.act({ do: "accept_run", name })),
     });
     const menu = menuButton(
       lab.root,
@@ -271,12 +271,6 @@ class RunRow {
     setAttribute(this.element, "aria-busy", "true"); // it may take some seconds
     await this.lab.act({ do: "show_run", name: this.name });
     setAttribute(this.element, "aria-busy", null);
-  }
-
-  private async accepted(): Promise<void> {
-    this.accept.disabled = true;
-    await this.lab.act({ do: "accept_run", name: this.name });
-    this.accept.disabled = false;
   }
 
   private expect(): void {

@@ -38,6 +38,14 @@ export function iconButton(
   return button({ icon, title, action, onclick });
 }
 
+/** Disable a button as long as what it has begun lasts. */
+export async function disabledDuring<T>(element: HTMLButtonElement, act: Promise<T>): Promise<T> {
+  element.disabled = true;
+  const result = await act;
+  element.disabled = false;
+  return result;
+}
+
 export function linkButton(words: string, attributes: Attributes): HTMLButtonElement {
   return h("button", { type: "button", class: "lrp-link", ...attributes }, words);
 }
