@@ -251,7 +251,7 @@ class Lab(Part):
                 program.record_until_closed(log)
             connection = registry.connection_of(program)
             if runs is not None:
-                connection.runs.attach_folder(FilePath(runs))
+                connection.runs.attach_folder(runs)
             if conditions is not None:
                 connection.texts.set_conditions(conditions)
                 connection.wake()

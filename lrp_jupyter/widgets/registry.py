@@ -178,7 +178,7 @@ def open_program(
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
     if runs is not None:
-        connection.runs.attach_folder(FilePath(folder or os.getcwd()) / FilePath(runs).expanduser())
+        connection.runs.attach_folder(runs)
     if conditions is not None:
         connection.texts.set_conditions(conditions)
     goal = connection.goal

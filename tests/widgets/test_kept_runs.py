@@ -114,7 +114,9 @@ def test_a_new_run_begins_at_the_start_and_the_recordings_of_a_folder_are_shown_
 def test_runs_of_one_name_in_several_folders_are_all_shown(beside, tmp_path):
     beside.keep("run", seconds=3)
     shutil.copytree(tmp_path / "laps.runs", tmp_path / "other")
-    assert beside.page.do("attach_runs", folder=str(tmp_path / "other")) is None
+    for folder in ("other", str(tmp_path / "other"), "laps.runs"):
+        assert beside.page.do("attach_runs", folder=folder) is None
+    assert beside.runs.view(beside.session)["attached"] == ["other"]
     assert [*beside.decided()] == beside.runs.view(beside.session)["names"] == ["run", "run (other)"]
     assert beside.page.do("expect", name="run (other)", expected="reaches away") is None
     assert [run["state"] for run in beside.decided().values()] == ["passed", "failed"]

@@ -8,6 +8,7 @@ worker's thread.
 
 from __future__ import annotations
 
+import os
 import threading
 import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -53,7 +54,7 @@ class ShownRuns:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.attached: list[Path] = []  # further folders, whose runs are shown, too
+        self.attached: dict[Path, str] = {}  # further folders, whose runs are shown, too: as they were named
         self._lock = threading.Condition()  # of everything below
         self._runs: tuple[KeptRun, ...] = ()
         self._by_name: dict[str, KeptRun] = {}  # as they are shown
@@ -99,7 +100,7 @@ class ShownRuns:
         with self._lock:
             return {
                 "folder": self.folder.name,
-                "attached": [shown(each) for each in self.attached],
+                "attached": [*self.attached.values()],
                 "names": [*self._by_name],
                 "expected": str(ExpectedPart("meets", challenge)) if challenge else AS_RECORDED,
                 "keeps": unkept(session._loop),
@@ -235,12 +236,15 @@ class ShownRuns:
         remove(self._named(name))
         self._changed()
 
-    def attach_folder(self, folder: str | Path) -> None:
-        """Show the runs of another folder, too. Raises FileError: there is none, or it cannot be read."""
-        path = Path(folder).expanduser()
+    def attach_folder(self, folder: str | os.PathLike[str]) -> None:
+        """Also show the runs of another folder, named from where the program is.
+
+        Raises FileError: there is none, or it cannot be read.
+        """
+        path = Path(os.path.abspath(self.folder.parent / Path(folder).expanduser()))
         kept_runs(path)  # raises what is wrong
-        if path not in self.attached:
-            self.attached.append(path)
+        if path != Path(os.path.abspath(self.folder)):
+            self.attached.setdefault(path, shown(folder))
         self._changed()
 
     def accept(self, session: Session, name: str) -> None:
