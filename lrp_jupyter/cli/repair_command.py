@@ -16,7 +16,7 @@ from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.workers import Halt, HowRun
 from lrp_jupyter.live.stored.run_files import runs_folder
 from lrp_jupyter.repairs.repair import repaired
-from lrp_jupyter.runs.decide import runs_named
+from lrp_jupyter.runs.kept_runs import kept_runs
 
 
 def repair_file(
@@ -33,7 +33,7 @@ def repair_file(
     Without a challenge and named runs, those beside the program judge.
     """
     beside = runs_folder(file)
-    kept = runs_named([beside] if beside.is_dir() and name is None and not runs else runs)
+    kept = kept_runs([beside] if beside.is_dir() and name is None and not runs else runs)
     task = None if name is None else load(name).whole()
     check_outputs([write] if write else [], (".lrp", ".txt"))
     source = read_source(file)

@@ -24,8 +24,8 @@ from lrp_jupyter.live.running.checking import check
 from lrp_jupyter.repairs.answer import Repairs
 from lrp_jupyter.repairs.judging import Judge
 from lrp_jupyter.repairs.search import Progress, Search
-from lrp_jupyter.runs.decide import rerun_of, runs_named
-from lrp_jupyter.runs.kept_runs import KeptRun
+from lrp_jupyter.runs.decide import rerun_of
+from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
 from lrp_jupyter.runs.rerun import Rerun
 
 
@@ -87,7 +87,7 @@ def repair(
     task = challenge(what) if isinstance(what, str) else what
     names = namespace_of(program) if namespace is None else namespace
     how = HowRun(min(20.0, limit), namespace=names)
-    kept, text = runs_named(runs), text_of(program)
+    kept, text = kept_runs(runs), text_of(program)
     with shown_progress("repair") if progress is None else nullcontext(progress) as told:
         return repaired(text, task, seeds, how, limit, told, halt, kept)
 

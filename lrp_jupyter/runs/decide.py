@@ -5,21 +5,19 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from lrp_jupyter.errors import LRPError, printable, sentence_of
-from lrp_jupyter.grading.grade import text_of
+from lrp_jupyter.grading.grade import namespace_of, text_of
 from lrp_jupyter.grading.workers import Halt, HowRun, run_jobs
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.coverage import Coverage, coverage_from
-from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.expectation import expectation
-from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
+from lrp_jupyter.runs.kept_runs import KeptRun, Where, kept_runs
 from lrp_jupyter.runs.outcome import OPEN_LOOP, RunOutcome
 from lrp_jupyter.runs.rerun import Rerun
 
@@ -75,8 +73,8 @@ def line_of(run: KeptRun, outcome: RunOutcome) -> str:
 
 
 def decide(
-    program: str | Program | Session,
-    runs: str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]],
+    program: Any,
+    runs: Where,
     how: HowRun = HowRun(limit=10),  # noqa: B008  (an immutable value)
     *,
     trusted: bool = False,
@@ -87,8 +85,8 @@ def decide(
 
     Parameters
     ----------
-    program : str, Program or Session
-        A text; of a session, its program, and its namespace for the blocks.
+    program : str, Program, Session or Lab
+        For a session or a lab, its program is judged, and its blocks can read its names.
     runs : path, or iterable of paths or KeptRun
         A folder of recordings, or several folders, files or runs.
     how : HowRun
@@ -114,8 +112,8 @@ def decide(
         A name of the notebook cannot be sent to another process.
     """
     text = text_of(program)
-    wanted = runs_named(runs)
-    namespace = program.namespace if isinstance(program, Session) else how.namespace or {}
+    wanted = kept_runs(runs)
+    namespace = namespace_of(program) or how.namespace or {}
     parsed, made, jobs = parse(text), dict[KeptRun, RunOutcome](), list[tuple[KeptRun, Rerun]]()
     for run in wanted:
         try:
@@ -128,18 +126,6 @@ def decide(
         made[run] = outcome
         told(run, outcome)
     return Decisions(parsed, {run: made[run] for run in wanted if run in made})
-
-
-def runs_named(
-    runs: str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]],
-) -> list[KeptRun]:
-    """Return the runs of a folder, or of several folders and files, or these runs; each once.
-
-    Raises FileError: there is no such folder or file.
-    """
-    several = [runs] if isinstance(runs, (str, os.PathLike)) else [*runs]
-    found = (run for each in several for run in ([each] if isinstance(each, KeptRun) else kept_runs(each)))
-    return list(dict.fromkeys(found))
 
 
 def rerun_of(

@@ -38,25 +38,31 @@ class KeptRun(NamedTuple):
     expected: str = AS_RECORDED
 
 
-def kept_runs(where: str | os.PathLike[str] | Iterable[str | os.PathLike[str]]) -> tuple[KeptRun, ...]:
-    """Return the runs of a folder, or of several folders and files, in the order of their names.
+Where = str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]]
+"""A folder of runs or a recording, or several of them; among these also runs themselves."""
+
+
+def kept_runs(where: Where) -> tuple[KeptRun, ...]:
+    """Return the runs of a folder in the order of their names, or those of several folders and files.
 
     Raises
     ------
     FileError
         There is no such folder or file, or what is expected of its runs cannot be read.
     """
-    several = [where] if isinstance(where, (str, os.PathLike)) else [*where]
-    found: dict[Path, KeptRun] = {}
-    for each in several:
-        path = Path(each)
-        if not path.exists():
-            raise FileError(
-                f"`{shown(path)}` does not exist. It should be a recording, or a folder of recordings."
-            )
-        for run in _runs_in(path) if path.is_dir() else _runs_in(path.parent, path):
-            found.setdefault(run.file, run)
-    return tuple(found.values())
+    several = [where] if isinstance(where, (str, os.PathLike)) else where
+    found = [
+        run for each in several for run in ([each] if isinstance(each, KeptRun) else _runs_at(Path(each)))
+    ]
+    return tuple(dict.fromkeys(found))
+
+
+def _runs_at(path: Path) -> Iterator[KeptRun]:
+    if not path.exists():
+        raise FileError(
+            f"`{shown(path)}` does not exist. It should be a recording, or a folder of recordings."
+        )
+    return _runs_in(path) if path.is_dir() else _runs_in(path.parent, path)
 
 
 def _runs_in(folder: Path, only: Path | None = None) -> Iterator[KeptRun]:

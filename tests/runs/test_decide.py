@@ -7,7 +7,7 @@ import pytest
 from live.test_recording import ROVER, Rover
 from runs.conftest import LAPS
 
-from lrp_jupyter import repair
+from lrp_jupyter import Lab, repair
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.grading.workers import HowRun
@@ -17,7 +17,7 @@ from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.runs.again import record_again, show_run
-from lrp_jupyter.runs.decide import decide, runs_named
+from lrp_jupyter.runs.decide import decide
 from lrp_jupyter.runs.expectation import ExpectedPart, expectation
 from lrp_jupyter.runs.kept_runs import expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP
@@ -137,6 +137,16 @@ def test_a_simulated_run_goes_on_as_long_as_what_is_expected_of_it_may_take(keep
     real = keep(text=ROVER, bridge=Rover, act=lambda session: session.bridge.arm(), seconds=0.5)
     (open_loop,) = decide(ROVER, [real]).outcomes.values()
     assert open_loop.seconds == 0.5
+
+
+def test_the_blocks_of_a_lab_can_read_its_names(keep, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    file, names = keep(seconds=3), {"speed": 0.3}
+    lab = Lab(LAPS.replace("[0.3]", "[speed]"), name="other", namespace=names)
+    try:
+        assert decide(lab, file)
+    finally:
+        lab.close()
 
 
 def slowed(session):
@@ -283,8 +293,8 @@ def test_what_runs_have_reached_is_what_their_events_say(keep):
 
 def test_a_run_that_is_named_twice_is_run_once(keep):
     file = keep(seconds=0.1)
-    (run,) = runs_named(file.parent)
-    assert runs_named([file, run, file.parent]) == [run]
+    (run,) = kept_runs(file.parent)
+    assert kept_runs([file, run, file.parent]) == (run,)
 
 
 def test_the_smallest_change_with_which_kept_runs_pass_is_found(keep):
