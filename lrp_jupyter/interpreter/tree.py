@@ -222,18 +222,18 @@ class Edge:
             self._note_outcomes(run.outcomes.setdefault((element, plan.means(state.name)), [0]))
 
     def _note_outcomes(self, outcomes: list[int]) -> None:
-        """Note how its test comes out, until it has come out both ways."""
+        """Note how its test comes out, unless it has come out both ways."""
         test = self.test
+        if outcomes[0] == HELD | FAILED:
+            return
 
         def noting() -> object:
             value = test()
-            outcomes[0] |= HELD if value is True or (is_boolean(value) and bool(value)) else FAILED
-            if outcomes[0] == HELD | FAILED:
-                self.test = test
+            if outcomes[0] != HELD | FAILED:
+                outcomes[0] |= HELD if value is True or (is_boolean(value) and bool(value)) else FAILED
             return value
 
-        if outcomes[0] != HELD | FAILED:
-            self.test = noting
+        self.test = noting
 
     @property
     def path(self) -> Path:
