@@ -50,11 +50,11 @@ class Decided:
         """Return the seconds until the first, and until the last of the runs is judged."""
         start, first = perf_counter(), 0.0
         while True:
-            view = self._runs.view(session)
-            assert view is not None
-            if first == 0.0 and view["names"] and view["waiting"] < len(view["names"]):
+            assert self._runs.view(session) is not None
+            waiting = [each["state"] == "waiting" for each in self._runs.kept().values()]
+            if first == 0.0 and not all(waiting):
                 first = perf_counter() - start
-            if view["names"] and not view["waiting"]:
+            if waiting and not any(waiting):
                 return first, perf_counter() - start
             self._news.wait(0.5)
             self._news.clear()
