@@ -23,7 +23,7 @@ import traceback
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from time import monotonic
+from time import monotonic, sleep
 from typing import IO, NamedTuple
 
 from lrp_jupyter.errors import LRPError, sentence_of
@@ -41,6 +41,7 @@ _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _SIZE = ">Q"
 _NICE = 19
+_BETWEEN = 0.1  # s: how often Linux lets anyone change the priority of a session
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nothing ends them
 
 
@@ -140,8 +141,18 @@ def _give_way() -> None:
     """Let what a person waits for, such as a lab and its robot, go before the runs."""
     with suppress(OSError, AttributeError):
         os.nice(_NICE)
-    with suppress(OSError):  # of Linux: in a session of its own, only this counts
+    with suppress(OSError):  # of Linux: of processes in different sessions, only this counts
+        while not _lowered():
+            sleep(_BETWEEN)
+
+
+def _lowered() -> bool:
+    """Lower the priority of this session; return whether it is not too soon after another one's."""
+    try:
         Path("/proc/self/autogroup").write_text(str(_NICE))
+    except BlockingIOError:
+        return False
+    return True
 
 
 @lru_cache
@@ -209,7 +220,7 @@ def _forked(job: bytes, limit: float, requests: int, endings: int) -> tuple[int 
         _prctl(_SET_PDEATHSIG, signal.SIGKILL)  # it ends with its worker, also in a call of C …
         if os.getppid() != worker:  # … which may have ended before that
             os._exit(1)
-        os.setsid()
+        os.setpgid(0, 0)  # not a session of its own, which would not give way
         for pipe in (reading, requests, endings):
             os.close(pipe)
         with os.fdopen(writing, "wb") as file:

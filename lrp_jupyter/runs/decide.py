@@ -114,7 +114,8 @@ def decide(
     text = text_of(program)
     wanted = kept_runs(runs)
     namespace = namespace_of(program) or how.namespace or {}
-    parsed, made, jobs = parse(text), dict[KeptRun, RunOutcome](), list[tuple[KeptRun, Rerun]]()
+    parsed = program if isinstance(program, Program) else parse(text)
+    made, jobs = dict[KeptRun, RunOutcome](), list[tuple[KeptRun, Rerun]]()
     for run in wanted:
         try:
             jobs.append((run, rerun_of(text, run, how, namespace, trusted)))

@@ -1,6 +1,7 @@
 """Kept runs are run again with another text, and judged by what is expected of each."""
 
 import json
+from pathlib import Path
 from threading import Event
 
 import pytest
@@ -22,6 +23,8 @@ from lrp_jupyter.runs.expectation import ExpectedPart, expectation
 from lrp_jupyter.runs.kept_runs import expect, kept_runs, remove, rename
 from lrp_jupyter.runs.outcome import OPEN_LOOP
 from lrp_jupyter.widgets import registry
+
+AUTOGROUP = "/proc/self/autogroup"
 
 
 @pytest.mark.parametrize(
@@ -295,6 +298,16 @@ def test_a_run_that_is_named_twice_is_run_once(keep):
     file = keep(seconds=0.1)
     (run,) = kept_runs(file.parent)
     assert kept_runs([file, run, file.parent]) == (run,)
+
+
+@pytest.mark.skipif(not Path(AUTOGROUP).exists(), reason="only Linux has priorities of sessions")
+def test_a_run_behind_a_lab_gives_way_to_it(keep):
+    """Also in the eyes of Linux, which compares the priorities of sessions before those of processes."""
+    low = f"__import__('os').nice(0) == 19 and ' nice 19' in open('{AUTOGROUP}').read()"
+    text = LAPS.replace("pace < 0", low)
+    run = expect(kept_runs(keep(text=text, seconds=0.3))[0], "reaches aside")
+    for behind in (False, True):
+        assert decide(text, [run], HowRun(limit=10, behind=behind)).passed is behind
 
 
 def test_the_smallest_change_with_which_kept_runs_pass_is_found(keep):
