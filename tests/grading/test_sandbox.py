@@ -33,6 +33,7 @@ def driving_unless_it_can(code):
     )
 
 
+@pytest.mark.slow
 @needs_bubblewrap
 def test_what_a_program_can_do_to_a_computer_it_cannot_in_a_sandbox(tmp_path, monkeypatch):
     secret = tmp_path / "secret"

@@ -25,8 +25,8 @@ IDLE = "(machine m (state waiting)) (spawn m waiting)"
 @pytest.mark.parametrize(
     ("number", "words"),
     [
-        (1, "instead of `robot.distance.data < -0.01` (line 2)"),
-        (3, "Swapping `tsave` and `talarm` (lines 8 and 9)"),
+        pytest.param(1, "instead of `robot.distance.data < -0.01` (line 2)", marks=pytest.mark.slow),
+        pytest.param(3, "Swapping `tsave` and `talarm` (lines 8 and 9)", marks=pytest.mark.slow),
         (5, "`[robot.move(linear=0.2)]` in `running` instead of `onentry` of `driving` (line 3)"),
         (6, "create the variable `lap_time`"),
     ],

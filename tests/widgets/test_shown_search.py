@@ -9,7 +9,7 @@ from lrp_jupyter.grading.bundled.starters import starter
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.widgets.views.goal import Goal
 
-SLOW = LAPS.replace("[0.3]", "[0.15]")
+LATE = LAPS.replace("[1500]", "[3000]")
 
 
 @pytest.fixture
@@ -35,17 +35,17 @@ def searched(bench, tmp_path, monkeypatch):
 def test_a_change_with_which_the_kept_runs_pass_is_found_and_taken(searched):
     lab, page, end = searched(LAPS, world="line")
     assert "Keep a run first" in page.do("find_change")
-    lab.session.run(25)
+    lab.session.run(6)
     news = Event()
     lab.connection.runs.attach(news.set)
     page.do("keep_run", name="wall")
     while not lab.connection.runs.all:
         assert news.wait(60)
         news.clear()
-    page.type(SLOW)
+    page.type(LATE)
     assert page.do("find_change") is None
     shown = end()
-    assert shown["changes"][0]["sentence"].startswith("`pace` 0.3 instead of 0.15 (line 1) passes in 1 of 1")
+    assert shown["changes"][0]["sentence"].startswith("`turn` 1500 ms instead of 3000 ms (line 1) passes")
     assert page.do("take_change", index=0) is None
     lab.publish()
     assert lab.connection.texts.text == LAPS
