@@ -132,7 +132,7 @@ def open_program(
     `task`: the challenge of the program: its first world is loaded, its goal shown.
     `conditions`: None: as before.
     `runs`: a folder of recordings that are run again with every new text, beside those in ``NAME.runs``.
-    `hints`: for a challenge; ``"changes"``: also the smallest changes with which a program passes it.
+    `hints`: for a challenge; ``"changes"``: also the smallest changes that make a program pass it.
     `log`: the file in which the session is recorded; if it exists, the name gets a number.
     `line`: the first line of the cell, without ``%%lrp``; default: the arguments, as such a line has them.
     `options`: for the bridge: ``world="line"``.

@@ -249,16 +249,14 @@ def repair(
     jobs: Processes = None,
     scheduler: Scheduler = None,
 ) -> None:
-    """Find the smallest change with which a program passes a challenge, or its kept runs, or both.
+    """Find the smallest change that makes a program pass a challenge, its kept runs, or both.
 
     Without a challenge, and without `--runs`, the folder `NAME.runs` beside the program has the runs, as for
     `lrp test`. The file stays as it is.
     """
     from lrp_jupyter.cli.program_source import challenge_in
-
-    challenge = challenge or challenge_in(file)
     from lrp_jupyter.cli.repair_command import repair_file
     from lrp_jupyter.grading.workers import HowRun
 
-    how = HowRun(limit, memory, jobs, scheduler)
-    raise typer.Exit(repair_file(file, challenge, runs or [], seeds, budget, write, how))
+    how, name = HowRun(limit, memory, jobs, scheduler), challenge or challenge_in(file)
+    raise typer.Exit(repair_file(file, name, runs or [], seeds, budget, write, how))

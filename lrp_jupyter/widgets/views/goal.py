@@ -83,7 +83,7 @@ class Goal:
 
     @property
     def offers_changes(self) -> bool:
-        """Whether changes are found with which a program passes."""
+        """Whether changes that make a program pass are offered."""
         return self.hints == "changes" and not self.task.exam
 
     # -- the present run: on the loop's thread --------------------------------------------------------
