@@ -6,8 +6,7 @@ those that help. It never changes the program.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from types import NoneType
 from typing import Any
@@ -25,7 +24,7 @@ from lrp_jupyter.repairs.answer import Repairs
 from lrp_jupyter.repairs.judging import Judge
 from lrp_jupyter.repairs.search import Progress, Search
 from lrp_jupyter.runs.decide import rerun_of
-from lrp_jupyter.runs.kept_runs import KeptRun, kept_runs
+from lrp_jupyter.runs.kept_runs import KeptRun, Where, kept_runs
 from lrp_jupyter.runs.rerun import Rerun
 
 
@@ -34,7 +33,7 @@ def repair(
     what: str | Challenge | None = None,
     seeds: int = 10,
     *,
-    runs: str | os.PathLike[str] | Iterable[KeptRun | str | os.PathLike[str]] = (),
+    runs: Where = (),
     limit: float = 60,
     namespace: dict[str, Any] | None = None,
     progress: Callable[[int, int], object] | None = None,
