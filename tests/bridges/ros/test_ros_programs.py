@@ -144,7 +144,7 @@ def test_patrol(robot: Robot, behave: Callable[..., None]) -> None:
         robot.obeys("abort no path")
     robot.does("stands", "drives 0.0")
     charge(0.1)
-    robot.does("stands", "drives 0.0")
+    robot.does("drives 0.0")  # the goal may come before the cancel of the last one, which is another topic
     robot.obeys("succeed")
     robot.does("stands")
     charge(0.95)
