@@ -152,21 +152,6 @@ describe("what is typed", () => {
     vi.useRealTimers();
   });
 
-  it("has its picture also when the page was lost after it had been saved without it", async () => {
-    page.type("; new\n");
-    await notebook.save();
-    const { frame: begun } = structuredClone(recording.snapshot);
-    const updates = page.merge();
-    page.open({
-      ...page.snapshot(updates, page.kernel.seq),
-      frame: { ...begun, revision: revision + 1 },
-    } as never);
-    await vi.waitFor(() => expect(page.of("picture")).toHaveLength(1), 5000);
-    await draws("<svg>new</svg>");
-    await vi.waitFor(() => expect(notebook.saves).toBe(2));
-    expect(cell().saved.get("data")).toMatchObject({ "image/svg+xml": "<svg>new</svg>" });
-  });
-
   it("is not written over a cell that was edited, too, before its user chooses", async () => {
     cell().edit("(machine mine)");
     page.type("; new\n");

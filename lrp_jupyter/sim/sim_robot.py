@@ -47,7 +47,8 @@ class Body(pymunk.Body):
         super().__init__(mass, moment, body_type)
         self.contacts: set[int] = set()  # solids touched since this was cleared
 
-    __setattr__ = object.__setattr__  # type: ignore[assignment]  # pymunk does it in Python
+    # pymunk's, a function in Python for type checkers only, is called twice in every step
+    __setattr__ = object.__setattr__  # type: ignore[assignment]
 
     solid = -1  # number of the solid; -1: the edge of the world; -2 and below: a robot
     wheels: SimRobot | None = None

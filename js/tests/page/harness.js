@@ -85,7 +85,7 @@ function keptRuns() {
     transitions: { "follower/tlooking": [0, 1, 2], "follower/tmoving": [0, 1], "follower/tbump": [4] },
     conditions: { "follower/tmoving": "never false", "follower/tend": "never true" },
     words:
-      "Reached: 3 of 9 states, 3 of 10 transitions, 0 of 2 conditions in both ways. Never entered: `follower/end`.",
+      "Reached: 3 of 9 states, 3 of 10 transitions, both outcomes of 0 of 2 conditions. Never entered: `follower/end`.",
   };
   const runs = { folder: "follower.runs", attached: ["../accidents"], names, coverage };
   return { runs: { ...runs, expected: "reaches follower/end", keeps: "", error: "" }, kept_runs };
