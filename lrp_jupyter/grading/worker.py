@@ -40,7 +40,7 @@ LARGEST = 4_000_000  # bytes of an answer
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # of Linux's `prctl`
 _LOADING = 5.0  # s beyond its own limit that a run may take, for what is not the program's
 _SIZE = ">Q"
-_NICE = 19
+_NICE = 10  # a tenth of a processor that others want: a run still ends within its limit
 _BETWEEN = 0.1  # s: how often Linux lets anyone change the priority of a session
 _LATER = 10.0  # s that a worker may take longer, and its run again as long, if nothing ends them
 
