@@ -13,9 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from docutils import nodes
-from pygments.lexer import RegexLexer, bygroups, using
-from pygments.lexers.python import PythonLexer
-from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, Text
 
 import lrp_jupyter
 import lrp_jupyter.testing
@@ -179,28 +176,6 @@ def generate(app: Any, _name: str, source: list[str]) -> None:
 # -- programs in colour ----------------------------------------------------------------------------
 
 
-class LRPLexer(RegexLexer):
-    """The language, and the Python in its blocks."""
-
-    name = "LRP"
-    tokens = {  # noqa: RUF012
-        "root": [
-            (r"%%?lrp.*", Comment.Preproc),
-            (r"[;#].*", Comment.Single),
-            (r"(\()([\w-]+)", bygroups(Punctuation, Keyword)),
-            (
-                r"(\[)((?:[^\[\]]|\[(?:[^\[\]]|\[[^\[\]]*\])*\])*)(\])",
-                bygroups(Punctuation, using(PythonLexer), Punctuation),
-            ),
-            (r"->|:=|\*-?", Operator),
-            (r"\d+", Number),
-            (r"\w+", Name),
-            (r"[()\[\]{}]", Punctuation),
-            (r"\s+|.", Text),
-        ]
-    }
-
-
 def colour(_app: Any, doctree: nodes.document) -> None:
     """Say which language a cell is written in."""
     for block in doctree.findall(nodes.literal_block):
@@ -212,6 +187,5 @@ def colour(_app: Any, doctree: nodes.document) -> None:
 
 def setup(app: Any) -> None:
     """Register all this with Sphinx."""
-    app.add_lexer("lrp", LRPLexer)
     app.connect("source-read", generate)
     app.connect("doctree-read", colour)
