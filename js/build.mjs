@@ -106,6 +106,26 @@ async function site() {
   writeFileSync(`${outdir}/THIRD-PARTY-LICENSES.txt`, licences("page.js", Object.keys(metafile.inputs)));
 }
 
+/** The extension for Visual Studio Code, of which `lrp editor vscode` makes a package. */
+async function vscode() {
+  const outdir = "../lrp_jupyter/editors/vscode";
+  const { metafile } = await build({
+    entryPoints: ["src/vscode/extension.ts"],
+    outdir,
+    bundle: true,
+    platform: "node",
+    target: "node20",
+    external: ["vscode"], // the editor's own
+    minify: true,
+    charset: "ascii",
+    legalComments: "none",
+    preserveSymlinks: true,
+    metafile: true,
+    logLevel: "info",
+  });
+  writeFileSync(`${outdir}/THIRD-PARTY-LICENSES.txt`, licences("extension.js", Object.keys(metafile.inputs)));
+}
+
 if (process.argv.includes("--watch")) {
   await (await context({ ...options, sourcemap: "inline", logLevel: "info" })).watch();
 } else {
@@ -123,4 +143,5 @@ if (process.argv.includes("--watch")) {
   if (statSync(`${OUT}/lab.js`).size > LIMIT) throw new Error(`lab.js is larger than ${LIMIT} bytes`);
   if (/https?:\/\/(cdn|unpkg|esm)\b/.test(bundle)) throw new Error("lab.js loads from elsewhere");
   await site();
+  await vscode();
 }

@@ -7,5 +7,6 @@ from lrp_jupyter.cli.subcommands import (  # noqa: I001
     marking as marking,
     offers as offers,
     publishing as publishing,
+    editing as editing,
 )
 from lrp_jupyter.cli.subcommands.application import app as app
