@@ -80,6 +80,14 @@ def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Find
     return None, listed(first, len(found))
 
 
+def sketch(text: str, filename: str = "<lrp>") -> Program:
+    """Return as much of a program as a text has, for views of a text that is being written; never raise.
+
+    Forms with errors are left out, and blocks that are not Python are empty.
+    """
+    return _Reader(text, filename, True).read() or Program(text=text, filename=filename)
+
+
 def _is_inside(error: Diagnosis) -> bool:
     """Return whether an error hides nothing from the parser; a string that is not closed does."""
     return error.code.startswith(("LRP109", "LRP110", "LRP111", "LRP112", "LRP5")) and error.code != "LRP514"
@@ -124,11 +132,15 @@ class _Form:
 
 
 class _Reader:
-    """Parses one text; findings are kept as offsets and located only at the end."""
+    """Parses one text; findings are kept as offsets and located only at the end.
 
-    def __init__(self, text: str, filename: str) -> None:
+    `sketching`: whether a form is kept without the words in it that do not belong there.
+    """
+
+    def __init__(self, text: str, filename: str, sketching: bool = False) -> None:
         self.text = text
         self.filename = filename
+        self.sketching = sketching
         self.starts = line_starts(text)
         self.python = 0  # characters of the blocks so far
         self.line = 1  # of the last block parsed …
@@ -179,7 +191,7 @@ class _Reader:
                 self._broken(kind, word, start, end, form)
                 if kind in _MEANINGLESS:
                     continue
-                kind = "BLOCK"
+                kind, part = "BLOCK", Block("", Span(start, end)) if self.sketching else None
             form.add(kind, part, token)
         for _ in range(closing.get(len(tokens), 0)):
             form = self._finish(form, forms, tokens[-1][2])
@@ -261,6 +273,8 @@ class _Reader:
         elif not valid:
             self.invalid += 1
             is_brief = self.invalid > _EXPLAINED
+            if self.sketching:
+                return Block("", block.span)
             for fault in faults_of(block.text, line, block.column - 1, form.keyword in _TESTED, is_brief):
                 self.findings.append(fault.shifted(content))
         for name, first, last in declared:
@@ -282,7 +296,8 @@ class _Reader:
             if keyword == "machine":
                 self.machines.append(members(form.parts, Span(start, end)))
             kind = _FORM_TYPES[keyword]
-            outer.add(kind, part, (kind, start, end))
+            if part is not None or not self.sketching:
+                outer.add(kind, part, (kind, start, end))
         else:
             self._unknown(form, outer.keyword)
         if form.declared:
@@ -340,6 +355,11 @@ class _Reader:
             emptied = len(form.types) == 1 < before  # what it lacks was perhaps in the wrong form
             if isinstance(shape, Mistake) and not emptied:
                 self._mistaken(form, shape, end)
+            if self.sketching:
+                kept = [at for at, kind in enumerate(form.types) if at < 2 or kind.endswith(_LASTING)]
+                form.types, form.parts = [form.types[at] for at in kept], [form.parts[at] for at in kept]
+                form.tokens = [form.tokens[at] for at in kept]
+                shape = shape_of(tuple(form.types))
         return shape
 
     def _drop_misplaced(self, form: _Form, end: int) -> None:
@@ -427,6 +447,8 @@ _EXPLAINED = 20
 """Blocks of a text for which the remedies of their errors are searched."""
 _TESTED = frozenset({"event", "on", "exit"})
 """The forms whose block is a condition."""
+_LASTING = ("_FORM", "BLOCK")
+"""What stays in a form that is being written, besides its name."""
 _MEANINGLESS = frozenset({"COMMENT", "QUOTED", "STRAY"})
 _BROKEN = _MEANINGLESS | {"UNCLOSED", "UNOPENED"}
 _FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}

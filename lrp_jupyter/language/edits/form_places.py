@@ -43,8 +43,10 @@ class WrittenForm:
         kind, self.start, self.head = tokens[0]
         self.keyword = keyword_of(text, tokens[0]) if kind == "OPEN" else "program"
         self.end = tokens[-1][2] if end is None else end
+        self.name: tuple[int, int] | None = None  # where it is, in a form that defines one
         if self.keyword in NAMED and tokens[1][0] == "NAME":
-            self.head = tokens[1][2]
+            self.name = tokens[1][1:]
+            self.head = self.name[1]
 
     @cached_property
     def items(self) -> list[Token | WrittenForm]:
@@ -71,6 +73,22 @@ class WrittenForm:
         return [item for item in self.items if isinstance(item, WrittenForm)]
 
     @property
+    def is_closed(self) -> bool:
+        """Whether its closing bracket is there."""
+        return self._tokens[-1][0] == "CLOSE" and self._tokens[-1][1] < self.end
+
+    def around(self, offset: int) -> list[WrittenForm]:
+        """Return itself and the forms in it that an offset is in, outer before inner."""
+        found = [self]
+        while inner := [form for form in found[-1].forms if form.has_inside(offset)]:
+            found.append(inner[-1])
+        return found
+
+    def has_inside(self, offset: int) -> bool:
+        """Return whether an offset is between its brackets."""
+        return self.start < offset < self.end + (not self.is_closed)
+
+    @property
     def types(self) -> tuple[str, ...]:
         """The types of its parts for the grammar, the keyword first."""
         kinds = (f"{i.keyword.upper()}_FORM" if isinstance(i, WrittenForm) else i[0] for i in self.items)
@@ -83,11 +101,14 @@ class WrittenForm:
 
 
 class Sheet:
-    """The text of a valid program, as nested forms in `root`; `line_end`: the first line end of the text."""
+    """The text of a valid program, as nested forms in `root`; `line_end`: the first line end of the text.
 
-    def __init__(self, text: str) -> None:
+    `tokens`: of a text that is not valid, with brackets that match.
+    """
+
+    def __init__(self, text: str, tokens: Sequence[Token] | None = None) -> None:
         self.text = text
-        self._tokens = tokenize(text)
+        self._tokens = tokenize(text) if tokens is None else tokens
         self.root = WrittenForm(text, [("PROGRAM", 0, 0), *self._tokens], end=len(text))
         found = LINE_END.search(text)
         self.line_end = found[0] if found else "\n"

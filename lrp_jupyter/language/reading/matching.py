@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.reading.missing_brackets import Bracket, BracketRepair, repair
-from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, Token, keyword_of
+from lrp_jupyter.language.reading.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.source import Diagnosis
 
 DEEPEST = 100
@@ -52,6 +53,22 @@ def match(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching:
         else:
             sound = False
     return Matching([]) if sound and len(around) == 1 else _repaired(text, starts, tokens)
+
+
+def matched(text: str) -> list[Token]:
+    """Return the tokens of a text with brackets that match: without extra ones, and with those that lack.
+
+    A form that is not closed ends before the next token. None of a text whose forms are nested too deeply.
+    """
+    tokens = tokenize(text)
+    _, extra, lost, closing, too_deep = match(text, line_starts(text), tokens)
+    found: list[Token] = []
+    for index, token in enumerate([] if too_deep else [*tokens, ("END", len(text), len(text))]):
+        _, start, end = token
+        found += [("CLOSE", start, start)] * closing.get(index, 0)
+        if index not in extra:
+            found.append(("OPEN", start, end) if index in lost else token)
+    return found[:-1]
 
 
 def _repaired(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching:

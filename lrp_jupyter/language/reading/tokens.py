@@ -115,7 +115,7 @@ def _follows_trigger(text: str, tokens: Sequence[Token]) -> bool:
 
 def keyword_of(text: str, token: Token) -> str:
     """Return the keyword after the ``(`` of a token; empty if there is none."""
-    if token[0] == "NAME":  # a form whose `(` is missing
+    if text[token[1]] != "(":  # a form whose `(` is missing
         return text[token[1] : token[2]]
     word = text[token[1] + 1 : token[2]]
     if word in KEYWORDS:
