@@ -5,6 +5,7 @@ from lrp_jupyter.cli.subcommands import (  # noqa: I001
     replaying as replaying,
     source_texts as source_texts,
     marking as marking,
+    assisting as assisting,
     offers as offers,
     publishing as publishing,
     editing as editing,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,6 +18,8 @@ from lrp_jupyter.cli.excerpt import finding_text, print_findings, summary
 from lrp_jupyter.cli.program_source import Source, read_source
 from lrp_jupyter.cli.run_options import check_outputs, pairs_of
 from lrp_jupyter.codes import address_of
+from lrp_jupyter.editors.certain_fixes import apply_fixes
+from lrp_jupyter.editors.checked_robot import members_for
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
@@ -27,7 +28,7 @@ from lrp_jupyter.language.lookup import find
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.robot_members import RobotMembers
-from lrp_jupyter.live.running.checking import DEFAULT_WORLD, members_of, members_of_world
+from lrp_jupyter.live.running.checking import DEFAULT_WORLD, members_of
 
 Format = Literal["svg", "dot", "mermaid", "json"]
 ABOUT_ROBOTS = frozenset({"LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525", "LRP526", "LRP537"})
@@ -98,37 +99,22 @@ def check_files(
 
 def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
     """Return the findings of a file, for a robot or, by default, the one with which `lrp run` runs it."""
-    return check(source.text, robot=robot or _robot_of(source))
-
-
-def _robot_of(source: Source) -> RobotMembers | None:
-    """Return the members of the simulated robot of a file: of its world, else of that of its challenge."""
-    named = programs.heading(source.text).challenge
-    if source.world is None and named is not None:
-        with suppress(LRPError, ModuleNotFoundError):  # a challenge of a file that is not run; no simulator
-            from lrp_jupyter.grading.challenges import challenge
-
-            return members_of(make_bridge("sim", world=challenge(named).worlds[0]))
-    return members_of_world(source.world or DEFAULT_WORLD)
+    return check(source.text, robot=robot or members_for(source.text, source.path and source.path.parent))
 
 
 def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     """Apply the certain fixes of a file, one after the other; return it, and what was done."""
-    path, fixed, done = _writable(source), source, Text()
-    tried = set()  # a fix that leaves the finding is not applied again
-    while True:
-        findings = _check(fixed, robot)
-        finding = next((each for each in findings if each.fix and _id(each) not in tried), None)
-        if finding is None or finding.fix is None:
-            break
-        tried.add(_id(finding))
+    path, done = _writable(source), Text()
+    steps = list(apply_fixes(source.text, lambda text: _check(source._replace(text=text), robot)))
+    for _, finding in steps:
         done.append(f"{source.name}:{finding.line}:{finding.column}: ", "bold")
         done.append("fixed", "green")
-        done.append(f" {finding.code}: {finding.message} ({finding.fix.title})\n")
-        fixed = fixed._replace(text=finding.fix.apply(fixed.text))
-    if fixed.text != source.text:
-        write_file(path, fixed.text)
-    return fixed, done
+        title = finding.fix.title if finding.fix else ""
+        done.append(f" {finding.code}: {finding.message} ({title})\n")
+    if steps:
+        source = source._replace(text=steps[-1][0])
+        write_file(path, source.text)
+    return source, done
 
 
 def _writable(source: Source) -> Path:
@@ -139,10 +125,6 @@ def _writable(source: Source) -> Path:
         remedy = f"`lrp programs --show {source.name} > mine.lrp` makes a file of it."
         raise FileError(f"`{source.name}` is a bundled program, which cannot be changed. {remedy}")
     raise FileError("Standard input cannot be changed. Name a file.")
-
-
-def _id(finding: Finding) -> tuple[str, str, int, int]:
-    return finding.code, finding.message, finding.line, finding.column
 
 
 def _as_dict(name: str, finding: Finding) -> dict[str, Any]:

@@ -1,1 +1,1 @@
-"""What other editors and tools need for programs: their colours, and how they are set up."""
+"""Editors beyond the lab: a language server, what a running program tells it, and settings of editors."""

@@ -6,7 +6,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotVariable
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.widgets.acts.editor_questions import arguments_of, fields_of
+from lrp_jupyter.editors.python_options import arguments_of, fields_of
 from lrp_jupyter.widgets.views.view_state import listed_members
 
 

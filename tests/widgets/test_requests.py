@@ -7,7 +7,8 @@ import pytest
 from support.robots import Bare
 
 from lrp_jupyter.codes import CODES
-from lrp_jupyter.widgets.acts.editor_questions import complete, fields_of, hover
+from lrp_jupyter.editors.python_options import fields_of
+from lrp_jupyter.widgets.acts.editor_questions import complete, hover
 
 PROGRAM = """\
 (var table := [{"near": [1, 2], "far": math.pi}])

@@ -6,21 +6,27 @@ thread, which passes on only texts of limited length.
 
 from __future__ import annotations
 
-import builtins
 import inspect
 import keyword
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from lrp_jupyter import codes
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.member_tree import RobotMethod
-from lrp_jupyter.bridges.members import Member, MemberError, signature_text
+from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.robot import Robot
+from lrp_jupyter.editors.python_options import (
+    arguments_of,
+    doc_of,
+    fields_of,
+    members_beginning,
+    names_beginning,
+    signature_of,
+)
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
-from lrp_jupyter.interpreter.rendering import of_type, render
-from lrp_jupyter.language.blocks.builtin_names import TIME_TEXTS, builtin, degrees
+from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.language.blocks.builtin_names import TIME_TEXTS, builtin
 from lrp_jupyter.language.blocks.names_in_blocks import as_path
 from lrp_jupyter.language.edits.format import formatting
 from lrp_jupyter.language.edits.rename import references as find_references
@@ -44,9 +50,6 @@ from lrp_jupyter.widgets.wire.protocol import (
     WhyLine,
     WhyView,
 )
-
-_MOST = 300  # completions
-_ARGUMENT = re.compile(r"[(,]\s*(\w+)")
 
 
 class _NothingError(Exception):
@@ -75,12 +78,12 @@ def complete(opened: OpenProgram, prefix: str, scope: str) -> list[Option]:
         return [each for each in arguments_of(robot, command) if each["label"].startswith(argument)]
     before, dot, begun = prefix.rpartition(".")
     if not dot:
-        return _names(session, begun)
+        return [*names_beginning(begun, session.namespace)]
     fields = fields_of(robot, before)
     if fields is not None:
         return [each for each in fields if each["label"].startswith(begun)]
     try:
-        return session.call(lambda: _members(_value_of(session, before, scope), begun))
+        return session.call(lambda: members_beginning(_value_of(session, before, scope), begun))
     except _NothingError:
         return []
 
@@ -214,50 +217,6 @@ def save(opened: OpenProgram, name: str, replace: bool) -> bool:
 # -- Python names ----------------------------------------------------------------------------------------
 
 
-def _names(session: Session, begun: str) -> list[Option]:
-    known: dict[str, object] = {**vars(builtins), "degrees": degrees, **session.namespace}
-    names = [name for name in known if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")]
-    names.sort(key=lambda name: (name[:1].isupper(), name))
-    words = [word for word in keyword.kwlist if word.startswith(begun)]
-    options = [_option(name, known[name]) for name in names[:_MOST]]
-    options += [
-        {"label": name, "kind": "variable", "detail": "s", "info": text}
-        for name, text in TIME_TEXTS.items()
-        if name.startswith(begun) and name not in session.namespace
-    ]
-    return options + [{"label": word, "kind": "keyword", "detail": "", "info": ""} for word in words]
-
-
-def _members(value: object, begun: str) -> list[Option]:
-    names = [
-        name for name in dir(value) if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")
-    ]
-    options = []
-    for name in names[:_MOST]:
-        try:
-            member = inspect.getattr_static(value, name)
-            if not isinstance(member, property):
-                member = getattr(value, name)
-        except Exception:  # it is listed anyway
-            member = None
-        options.append(_option(name, member))
-    return options
-
-
-def _option(name: str, value: object) -> Option:
-    if inspect.isclass(value):
-        kind, detail = "class", ""
-    elif inspect.ismodule(value):
-        kind, detail = "namespace", ""
-    elif callable(value):
-        kind, detail = "function", _signature(value)
-    elif isinstance(value, property):
-        kind, detail = "property", ""
-    else:
-        kind, detail = "variable", "" if value is None else render(value, of_type)[:40]
-    return {"label": name, "kind": kind, "detail": detail, "info": _doc(value) if callable(value) else ""}
-
-
 def _member_card(title: str, member: Member) -> HoverView:
     names = (field.name.removeprefix(f"{member.name}.") for field in member.fields)
     inside = ", ".join(names)
@@ -270,8 +229,8 @@ def _card(title: str, value: object) -> HoverView:
     if isinstance(value, Robot):
         return _hover_view(title, "", ", ".join(dir(value)))
     if callable(value):
-        return _hover_view(title + _signature(value), kind, "", _doc(value))
-    return _hover_view(title, kind, render(value), _doc(value) if inspect.ismodule(value) else "")
+        return _hover_view(title + signature_of(value), kind, "", doc_of(value))
+    return _hover_view(title, kind, render(value), doc_of(value) if inspect.ismodule(value) else "")
 
 
 def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
@@ -352,20 +311,6 @@ def _time_now(session: Session, name: str, machine: Scope) -> str:
     return "" if entered is None else f"{now - entered:.1f} in `{states[0][-1]}`"
 
 
-def _signature(value: Callable[..., object]) -> str:
-    try:
-        return signature_text(inspect.signature(value))
-    except (TypeError, ValueError):
-        return "(…)"
-
-
-def _doc(value: object) -> str:
-    try:
-        return (inspect.getdoc(value) or "").partition("\n\n")[0][:300]
-    except Exception:  # an unusual object: no documentation
-        return ""
-
-
 def _value_of(session: Session, chain: str, scope: str) -> object:
     """Return the value of a dotted name in the scope of a machine; between two ticks."""
     first, *rest = chain.split(".")
@@ -437,65 +382,6 @@ def _place_of(program: Program, owner: Scope, scope: str) -> Path:
     names, here = resolve(program), as_path(scope) if scope else ()
     around = (here[:end] for end in range(len(here), 0, -2))
     return next((each for each in around if names.defined(each) == owner.path), owner.path)
-
-
-# -- readings and messages of a robot, known from their types before anything arrived --------------------
-
-
-def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
-    """Return the fields of ``robot.odom``, or of what ``robot.move()`` sends; None for other chains."""
-    command, called, inner = chain.partition("()")
-    root, _, path = command.partition(".")
-    if root != "robot" or not path:
-        return None
-    try:
-        if called:
-            asked: tuple[Member, ...] | None = bridge.describe(path).arguments
-            for name in filter(None, inner.split(".")):
-                asked = next((each.fields for each in asked or () if each.name.endswith(f".{name}")), None)
-            return None if asked is None else [_field(field) for field in asked]
-        names = path.split(".")
-        if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names))):
-            return []
-        member = bridge.describe(path)
-        found = [_field(field) for field in member.fields]
-        return found if found or member.kind == "method" else None
-    except LRPError:
-        return None
-
-
-def _field(member: Member) -> Option:
-    is_shown = member.value is not None and not (member.fields or member.stale)
-    value = render(member.value, of_type)[:40] if is_shown else ""
-    kind = "method" if member.kind in ("method", "task") else "property"
-    detail = value or member.signature or member.type
-    return {"label": member.name.rpartition(".")[2], "kind": kind, "detail": detail, "info": member.doc}
-
-
-def arguments_of(bridge: Bridge, command: str) -> list[Option]:
-    """Return the arguments of a command: ``robot.move`` takes ``linear=`` and ``linear_x=``."""
-    root, _, path = command.partition(".")
-    try:
-        member = bridge.describe(path) if root == "robot" and path else None
-    except LRPError:
-        member = None
-    if member is None or member.kind not in ("method", "task"):
-        return []
-    found = dict.fromkeys(_ARGUMENT.findall(member.signature), "")
-    for field in _leaves(member.arguments):
-        found[field.name.removeprefix(f"{path}.").replace(".", "_")] = field.type
-    return [
-        {"label": f"{name}=", "kind": "property", "detail": type_, "info": ""}
-        for name, type_ in found.items()
-    ]
-
-
-def _leaves(fields: tuple[Member, ...]) -> Iterator[Member]:
-    for field in fields:
-        if field.fields:
-            yield from _leaves(field.fields)
-        else:
-            yield field
 
 
 # -- why -------------------------------------------------------------------------------------------------

@@ -1,0 +1,146 @@
+"""The colours of words by what they mean: of the language, and of Python in its blocks."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from lrp_jupyter.editors.program_text import ProgramText
+from lrp_jupyter.language.blocks.builtin_names import PROVIDED, TIMES
+from lrp_jupyter.language.edits.form_places import WrittenForm
+from lrp_jupyter.language.python.scanner import LINE_END, strings
+
+KINDS = (
+    *("keyword", "comment", "string", "number", "operator"),
+    *("class", "enumMember", "event", "variable", "function", "property", "method"),
+)
+MODIFIERS = ("declaration", "defaultLibrary")
+_OF_ELEMENTS = {
+    "machine": "class",
+    "state": "enumMember",
+    "event": "event",
+    "variable": "variable",
+    "transition": "function",
+}
+_OF_TOKENS = {
+    "INTEGER": "number",
+    "ARROW": "operator",
+    "ASSIGN": "operator",
+    "STAR": "operator",
+    "FOR": "keyword",
+}
+_COMMENT = re.compile(r"[;#][^\r\n]*")
+_PYTHON = re.compile(
+    r"(?P<comment>#[^\r\n]*)|(?P<number>\b\d[\w.]*)|(?P<word>[^\W\d]\w*(?:\.[^\W\d]\w*)*)", re.UNICODE
+)
+
+
+class ColouredWord(NamedTuple):
+    """A word ``text[start:end]``, its kind, and its modifiers."""
+
+    start: int
+    end: int
+    kind: str
+    modifiers: tuple[str, ...] = ()
+
+
+def words(text: ProgramText) -> list[ColouredWord]:
+    """Return the words of a text that have a colour, in order; none is in another one."""
+    named = list(_named(text))
+    taken = {word.start for word in named}
+    found = named + [word for word in _written(text, text.root) if word.start not in taken]
+    found.sort()
+    return [part for word in found for part in _lines(text.text, word)]
+
+
+def encoded(text: ProgramText) -> list[int]:
+    """Return the words as the protocol has them: each by its distance from the one before."""
+    data: list[int] = []
+    line = column = 0
+    for start, end, kind, modifiers in words(text):
+        place = text.at.position(start)
+        length = text.at.position(end).character - place.character
+        mask = sum(1 << MODIFIERS.index(each) for each in modifiers)
+        column = column if place.line == line else 0
+        data += [place.line - line, place.character - column, length, KINDS.index(kind), mask]
+        line, column = place.line, place.character
+    return data
+
+
+def _named(text: ProgramText) -> Iterator[ColouredWord]:
+    """Yield the names of elements, where they are defined and where they are used."""
+    seen = set()
+    for symbol in text.symbols[0]:
+        kind = _OF_ELEMENTS[symbol.element.kind]
+        yield ColouredWord(*symbol.definition, kind, ("declaration",))
+        seen.add(symbol.definition)
+    for symbol in text.symbols[0]:
+        for span in symbol.references:
+            if span not in seen:
+                seen.add(span)
+                yield ColouredWord(*span, _OF_ELEMENTS[symbol.element.kind])
+
+
+def _written(text: ProgramText, form: WrittenForm) -> Iterator[ColouredWord]:
+    """Yield the words of a form that are no names: keywords, signs, comments, and the Python of blocks."""
+    source, at = text.text, form.start
+    if form is not text.root:
+        head = source.find(form.keyword, form.start) + len(form.keyword)
+        if form.keyword:
+            yield ColouredWord(head - len(form.keyword), head, "keyword")
+        yield from _comments(source, form.start, head)
+        at = head
+    for item in form.items:
+        start, end = (item.start, item.end) if isinstance(item, WrittenForm) else item[1:]
+        yield from _comments(source, at, start)
+        at = end
+        if isinstance(item, WrittenForm):
+            yield from _written(text, item)
+        elif item[0] in ("BLOCK", "UNCLOSED", "UNOPENED"):
+            yield from _in_block(source, start, end)
+        elif item[0] in _OF_TOKENS:
+            yield ColouredWord(start, end, _OF_TOKENS[item[0]])
+    yield from _comments(source, at, form.end)
+
+
+def _comments(text: str, start: int, end: int) -> Iterator[ColouredWord]:
+    return (ColouredWord(*found.span(), "comment") for found in _COMMENT.finditer(text, start, end))
+
+
+def _in_block(text: str, start: int, end: int) -> Iterator[ColouredWord]:
+    code = text[start:end]
+    found = strings(code)
+    for first, last in found:
+        yield ColouredWord(start + first, start + last, "string")
+    at = 0
+    for first, last in [*found, (len(code), len(code))]:
+        for word in _PYTHON.finditer(code, at, first):
+            yield from _python(word, start)
+        at = last
+
+
+def _python(word: re.Match[str], shift: int) -> Iterator[ColouredWord]:
+    start, end = word.start() + shift, word.end() + shift
+    if word.lastgroup != "word":
+        yield ColouredWord(start, end, str(word.lastgroup))
+        return
+    first, *rest = word[0].split(".")
+    if keyword.iskeyword(first):
+        yield ColouredWord(start, end, "keyword")
+    elif first in PROVIDED | TIMES:
+        yield ColouredWord(start, start + len(first), "variable", ("defaultLibrary",))
+        if rest:
+            called = word.string[word.end() : word.end() + 1] == "("
+            yield ColouredWord(start + len(first) + 1, end, "method" if called else "property")
+
+
+def _lines(text: str, word: ColouredWord) -> Iterator[ColouredWord]:
+    """Yield the parts of a word in each of its lines: the protocol has none of several."""
+    at = word.start
+    for found in [*LINE_END.finditer(text, word.start, word.end), None]:
+        end = word.end if found is None else found.start()
+        if at < end:
+            yield word._replace(start=at, end=end)
+        at = end if found is None else found.end()
