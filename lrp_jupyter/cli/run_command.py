@@ -78,6 +78,8 @@ def run_file(file: str, wanted: RunOptions) -> int:
         raise typer.BadParameter(
             "--watch needs a file of your own; `lrp programs --show NAME > my.lrp` makes one."
         )
+    if wanted.socket and source.path is None:
+        raise typer.BadParameter("--socket is for a file that is open in your editor. Name that file.")
     _check_files(source, wanted)
     complaints = plain_console(stderr=True)
     program, findings = scan(source.text, source.name)
@@ -126,6 +128,10 @@ def _run(
         stack.callback(session.close)
         for what in wanted.breakpoints:
             _pause_when(session, what)
+        if wanted.socket and source.path is not None:
+            from lrp_jupyter.editors.live_offer import LiveOffer
+
+            stack.enter_context(LiveOffer(session, source.path))
         return _Run(session, source, wanted, trace).go(program)
 
 

@@ -39,6 +39,7 @@ class RunOptions:
     breakpoints: tuple[str, ...]  # `STATE`, `TRANSITION`, `left STATE`, `event NAME` or `when EXPRESSION`
     fires: tuple[tuple[str, float], ...]  # transitions fired by hand, each with its time in seconds
     watch: bool
+    socket: bool  # whether editors are told what runs
     on_active_edit: Literal["restart", "keep"]
     on_issue: Literal["record", "pause"]
     answers: dict[str, str]  # options of the bridge, and answers to its questions

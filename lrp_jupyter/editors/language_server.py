@@ -17,6 +17,8 @@ from pygls.uris import to_fs_path
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.editors.finding_marks import ALL, QUICK, fix_all, fixes, marks
 from lrp_jupyter.editors.hover_cards import card
+from lrp_jupyter.editors.live_hints import hints
+from lrp_jupyter.editors.live_reader import LiveReader
 from lrp_jupyter.editors.outline_symbols import folds, outline, selection
 from lrp_jupyter.editors.program_text import AssumedRobot, ProgramText
 from lrp_jupyter.editors.semantic_colours import KINDS, MODIFIERS, encoded
@@ -26,6 +28,7 @@ from lrp_jupyter.language.edits.format import formatting
 from lrp_jupyter.language.edits.rename import rename_edits
 
 _TOGETHER = 0.01  # s in which changes are collected before the text is checked
+_REFRESH = 0.25  # s between two times that live values are shown
 _KINDS = {
     "keyword": lsp.CompletionItemKind.Keyword,
     "event": lsp.CompletionItemKind.Event,
@@ -55,6 +58,9 @@ class ProgramServer(LanguageServer):
         self._robot = robot
         self._open: dict[str, ProgramText] = {}
         self._due: set[str] = set()
+        self._runs = LiveReader(self._hear)
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._is_stale = False  # whether live values are to be shown soon
 
     def text(self, document: lsp.TextDocumentIdentifier) -> ProgramText:
         """Return an open text."""
@@ -62,10 +68,13 @@ class ProgramServer(LanguageServer):
 
     def opened(self, uri: str, text: str, number: int) -> None:
         """Keep a text that was opened, and mark what is found in it."""
-        path = to_fs_path(uri) if uri.startswith("file:") else None
-        robot = AssumedRobot(self._robot, Path(path).parent if path else None)
+        file = _file_of(uri)
+        robot = AssumedRobot(self._robot, file and file.parent)
         self._open[uri] = ProgramText(text, number, self._encoding, robot)
         self.mark(uri)
+        if file is not None:
+            self._loop = asyncio.get_running_loop()
+            self._runs.open(file)
 
     def changed(self, uri: str, changes: Sequence[lsp.TextDocumentContentChangeEvent], number: int) -> None:
         """Keep a text after changes, and mark what is found in it soon."""
@@ -89,8 +98,28 @@ class ProgramServer(LanguageServer):
 
     def closed(self, uri: str) -> None:
         """Forget a text."""
+        file = _file_of(uri)
+        if file is not None:
+            self._runs.close(file)
         if self._open.pop(uri, None):
             self._tell(uri, [], None)
+
+    def live_hints(self, uri: str) -> list[lsp.InlayHint]:
+        """Return what a run of the file of a text shows in it."""
+        file = _file_of(uri)
+        return hints(self._open[uri], None if file is None else self._runs.news(file))
+
+    def _hear(self, _: Path) -> None:
+        """Have live values shown soon; called on another thread."""
+        if self._loop is not None and not self._is_stale:
+            self._is_stale = True
+            self._loop.call_soon_threadsafe(self._loop.call_later, _REFRESH, self._refresh)
+
+    def _refresh(self) -> None:
+        self._is_stale = False
+        workspace = self.client_capabilities.workspace
+        if workspace and workspace.inlay_hint and workspace.inlay_hint.refresh_support:
+            self.workspace_inlay_hint_refresh(None)
 
     def _tell(self, uri: str, found: list[lsp.Diagnostic], number: int | None) -> None:
         self.text_document_publish_diagnostics(lsp.PublishDiagnosticsParams(uri, found, number))
@@ -98,6 +127,11 @@ class ProgramServer(LanguageServer):
     @property
     def _encoding(self) -> str:
         return str(getattr(self.workspace.position_encoding, "value", self.workspace.position_encoding))
+
+
+def _file_of(uri: str) -> Path | None:
+    path = to_fs_path(uri) if uri.startswith("file:") else None
+    return Path(path) if path else None
 
 
 def language_server(robot: Bridge | None = None) -> ProgramServer:
@@ -224,7 +258,9 @@ def _formatting(server: ProgramServer, asked: lsp.DocumentFormattingParams) -> l
     try:
         return [text.at.edit(edit) for edit in formatting(text.text)]
     except LRPSyntaxError:
-        raise CannotBeDoneError("The text has errors, so it cannot be formatted. Correct them first.") from None
+        raise CannotBeDoneError(
+            "The text has errors, so it cannot be formatted. Correct them first."
+        ) from None
 
 
 def _actions(server: ProgramServer, asked: lsp.CodeActionParams) -> list[lsp.CodeAction]:
@@ -264,6 +300,10 @@ def _colours(server: ProgramServer, asked: lsp.SemanticTokensParams) -> lsp.Sema
     return lsp.SemanticTokens(encoded(server.text(asked.text_document)))
 
 
+def _hints(server: ProgramServer, asked: lsp.InlayHintParams) -> list[lsp.InlayHint]:
+    return server.live_hints(asked.text_document.uri)
+
+
 _FEATURES: dict[str, tuple[Any, Any]] = {
     lsp.TEXT_DOCUMENT_DID_OPEN: (_did_open, None),
     lsp.TEXT_DOCUMENT_DID_CHANGE: (_did_change, None),
@@ -285,5 +325,6 @@ _FEATURES: dict[str, tuple[Any, Any]] = {
     lsp.TEXT_DOCUMENT_DOCUMENT_SYMBOL: (_symbols, None),
     lsp.TEXT_DOCUMENT_FOLDING_RANGE: (_folds, None),
     lsp.TEXT_DOCUMENT_SELECTION_RANGE: (_selections, None),
+    lsp.TEXT_DOCUMENT_INLAY_HINT: (_hints, None),
     lsp.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL: (_colours, lsp.SemanticTokensLegend([*KINDS], [*MODIFIERS])),
 }

@@ -173,6 +173,10 @@ def run(
     watch: Annotated[
         bool, Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
+    socket: Annotated[
+        bool,
+        Option("--socket", help="Tell your editors what runs: they show values at the ends of lines."),
+    ] = False,
     on_active_edit: Annotated[
         EditPolicy,
         Option(
@@ -207,6 +211,7 @@ def run(
         breakpoints=tuple(breakpoints or ()),
         fires=fires or [],
         watch=watch,
+        socket=socket,
         on_active_edit=on_active_edit.value,
         on_issue=on_issue.value,
         answers=[*([f"host={host}"] if host else []), *(options or [])],
