@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+from bisect import bisect_left
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -48,11 +49,20 @@ class ColouredWord(NamedTuple):
 
 def words(text: ProgramText) -> list[ColouredWord]:
     """Return the words of a text that have a colour, in order; none is in another one."""
-    named = list(_named(text))
-    taken = {word.start for word in named}
-    found = named + [word for word in _written(text, text.root) if word.start not in taken]
-    found.sort()
-    return [part for word in found for part in _lines(text.text, word)]
+    named = sorted(_named(text))
+    found = [*named, *(part for word in _written(text, text.root) for part in _around(word, named))]
+    return [part for word in sorted(found) for part in _lines(text.text, word)]
+
+
+def _around(word: ColouredWord, named: list[ColouredWord]) -> Iterator[ColouredWord]:
+    """Yield what of a word is no name: a string may contain that of a state."""
+    at = word.start
+    for name in named[bisect_left(named, word.start, key=lambda each: each.start) :]:
+        if name.start >= word.end:
+            break
+        yield word._replace(start=at, end=name.start)
+        at = name.end
+    yield word._replace(start=at)
 
 
 def encoded(text: ProgramText) -> list[int]:

@@ -44,7 +44,7 @@ class EditorClient:
         )
         asked = lsp.InitializeParams(capabilities, process_id=os.getpid(), root_uri=self.path.parent.as_uri())
         self.able = self.do(self.client.initialize_async(asked)).capabilities
-        self._on_loop(self.client.initialized, lsp.InitializedParams())
+        self.tell(self.client.initialized, lsp.InitializedParams())
 
     def _marked(self, told):
         self.marks = told
@@ -55,7 +55,7 @@ class EditorClient:
     def do(self, coroutine):
         return asyncio.run_coroutine_threadsafe(coroutine, self._loop).result(PATIENCE)
 
-    def _on_loop(self, function, *arguments):
+    def tell(self, function, *arguments):
         async def call():
             function(*arguments)
 
@@ -68,7 +68,7 @@ class EditorClient:
     def open(self, text):
         self.text, self.version = text, 1
         item = lsp.TextDocumentItem(self.uri, "lrp", 1, text)
-        self._on_loop(self.client.text_document_did_open, lsp.DidOpenTextDocumentParams(item))
+        self.tell(self.client.text_document_did_open, lsp.DidOpenTextDocumentParams(item))
 
     def change(self, *edits):
         """Change the text, one edit after the other: ``(start, end, new)`` in characters."""
@@ -79,16 +79,14 @@ class EditorClient:
             self.text = self.text[:start] + new + self.text[end:]
         self.version += 1
         document = lsp.VersionedTextDocumentIdentifier(self.version, self.uri)
-        self._on_loop(
-            self.client.text_document_did_change, lsp.DidChangeTextDocumentParams(document, changes)
-        )
+        self.tell(self.client.text_document_did_change, lsp.DidChangeTextDocumentParams(document, changes))
 
     def replace(self, old, new):
         start = self.text.index(old)
         self.change((start, start + len(old), new))
 
     def save(self):
-        self._on_loop(self.client.text_document_did_save, lsp.DidSaveTextDocumentParams(self.document))
+        self.tell(self.client.text_document_did_save, lsp.DidSaveTextDocumentParams(self.document))
 
     def found(self):
         """The findings of the present text."""
@@ -152,7 +150,7 @@ class EditorClient:
     def close(self):
         with suppress(Exception):
             self.do(self.client.shutdown_async(None))
-            self._on_loop(self.client.exit, None)
+            self.tell(self.client.exit, None)
         with suppress(Exception):
             self.do(self.client.stop())
         self._loop.call_soon_threadsafe(self._loop.stop)
