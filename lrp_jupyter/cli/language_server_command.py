@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Sequence
 from importlib.util import find_spec
 
@@ -28,4 +29,7 @@ def serve_editor(bridge: str | None, options: Sequence[str]) -> None:
         made = make_bridge(choose_bridge(bridge), **dict(pairs_of(options, "--option")))
         made.alone = True
         robot = described(made)
-    language_server(robot).start_io()
+    server = language_server(robot)
+    gc.freeze()  # a full collection would take longer than a check, between a key and what is found
+    gc.set_threshold(50_000, 20, 100)
+    server.start_io()

@@ -118,8 +118,8 @@ def _events(scope: Scope) -> Iterator[WordOption]:
 
 def _machines(scope: Scope, dot: str) -> Iterator[WordOption]:
     """Yield the machines whose state can be asked for, with the dot that this takes."""
-    names = set().union(*(scope.spawnable(state) for state in ("", *scope.states)))
-    return (WordOption(name, "machine", "machine", snippet=name + dot) for name in sorted(names))
+    names = sorted(scope.callable_names())
+    return (WordOption(name, "machine", "machine", snippet=name + dot) for name in names)
 
 
 def _states(machine: Scope | None) -> Iterator[WordOption]:

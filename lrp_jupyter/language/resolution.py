@@ -145,6 +145,10 @@ class Scope:
         around = self._around(state)
         return {name for here in around for name, machine in here.items() if self._can_spawn(machine)}
 
+    def callable_names(self) -> set[str]:
+        """Return the names that refer to machines in its blocks."""
+        return set().union(*map(self.spawnable, ("", *self.states)))
+
     def machines_called(self, name: str) -> tuple[Scope, ...]:
         """Return the machines that a name refers to in a block, each as for a spawn by some state."""
         called = self._called.get(name)

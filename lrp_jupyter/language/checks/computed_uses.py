@@ -25,8 +25,7 @@ def means(place: PlacedBlock, name: str, outside: frozenset[str]) -> bool:
 
 def meanings(scope: Scope, names: Resolution) -> tuple[str, ...]:
     """Return the names that mean an event, a machine or a time in the blocks of a scope."""
-    machines = filter(scope.machines_called, names.computed[1])
-    return (*scope.visible_events, *TIMES, *machines)
+    return (*scope.visible_events, *TIMES, *(names.computed[1] & scope.callable_names()))
 
 
 def _is_lost(place: PlacedBlock, use: NameUse) -> bool:
