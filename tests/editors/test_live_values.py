@@ -1,9 +1,6 @@
 """What a run tells an editor: a real `lrp run --watch --socket`, and a real server."""
 
 import signal
-import subprocess
-import sys
-import tempfile
 from multiprocessing import AuthenticationError
 from multiprocessing.connection import Client, deliver_challenge
 from pathlib import Path
@@ -25,30 +22,6 @@ COUNT = """\
   (on [n >= 40] counting -> done))
 (spawn counter counting)
 """
-
-
-@pytest.fixture
-def run(tmp_path):
-    """Run the file of an editor."""
-    started = []
-
-    def start(file, *options):
-        command = [sys.executable, "-m", "lrp_jupyter", "run", str(file), "--watch", "--socket", *options]
-        started.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True))
-        return started[-1]
-
-    yield start
-    for each in started:
-        if each.poll() is None:
-            each.kill()
-        each.communicate()
-
-
-@pytest.fixture(autouse=True)
-def runtime(monkeypatch):
-    with tempfile.TemporaryDirectory(prefix="lrp-", dir="/tmp") as folder:  # short: the path of a socket
-        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
-        yield Path(folder) / "lrp-jupyter"
 
 
 def shown(lrp):
