@@ -8,6 +8,5 @@ from lrp_jupyter.cli.subcommands import (  # noqa: I001
     assisting as assisting,
     offers as offers,
     publishing as publishing,
-    editing as editing,
 )
 from lrp_jupyter.cli.subcommands.application import app as app

@@ -17,28 +17,40 @@ from lrp_jupyter.files import shown, write_file
 _FOLDER = Path(__file__).parent
 
 
-class Editor(NamedTuple):
-    """An editor: the file that it needs, and the sentence about what to do with it."""
+class EditorFile(NamedTuple):
+    """The file that an editor needs, how it is written, given where `lrp` is, and what the user does then."""
 
-    file: str
-    then: str
+    name: str
     write: Callable[[Path, str], None]
-
-
-def _snippet(source: str) -> Callable[[Path, str], None]:
-    def write(file: Path, command: str) -> None:
-        text = (_FOLDER / source).read_text("utf-8")
-        write_file(file, text.replace('"lrp"', json.dumps(command), 1))
-
-    return write
+    then: str
 
 
 def _package(file: Path, command: str) -> None:
     write_vscode_package(file, version("lrp-jupyter"), command)
 
 
+def _settings(source: str) -> Callable[[Path, str], None]:
+    """Return what writes a file of this folder in which `lrp` stands in double quotes once, to be found."""
+
+    def write(file: Path, command: str) -> None:
+        if file.exists():
+            raise FileError(f"`{shown(file)}` exists, and is left as it is. Name another folder.")
+        text = (_FOLDER / source).read_text("utf-8")
+        write_file(file, text.replace('"lrp"', json.dumps(command), 1))
+
+    return write
+
+
 EDITORS = {
-    "vscode": Editor("lrp.vsix", "Install it: `code --install-extension {file}`", _package),
+    "vscode": EditorFile("lrp.vsix", _package, "Install it: `code --install-extension {file}`"),
+    "neovim": EditorFile(
+        "lrp.lua", _settings("neovim/lrp.lua"), "Neovim reads it in `~/.config/nvim/after/plugin`."
+    ),
+    "helix": EditorFile(
+        "languages.toml",
+        _settings("helix/languages.toml"),
+        "Helix reads `~/.config/helix/languages.toml`: put it there, or append it to yours.",
+    ),
 }
 """By the name that ``lrp editor`` takes."""
 
@@ -49,13 +61,11 @@ def set_up(name: str, folder: Path) -> str:
     Raises
     ------
     FileError
-        There is such a file, which is not overwritten unless it is a package.
+        There are settings in that folder, which stay; or it cannot be written to.
     """
-    file, then, write = EDITORS[name]
-    target = folder / file
-    if target.exists() and target.suffix != ".vsix":
-        raise FileError(f"`{shown(target)}` exists, and may have other settings. Name another folder.")
+    file, write, then = EDITORS[name]
     folder.mkdir(parents=True, exist_ok=True)
+    target = folder / file
     write(target, _command())
     return f"{shown(target)} is written. {then.format(file=shown(target))}"
 

@@ -2,10 +2,12 @@
 
 import json
 import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 from zipfile import ZipFile
 
+import pytest
 from typer.testing import CliRunner
 
 from lrp_jupyter.cli.command_line import app
@@ -39,3 +41,14 @@ def test_a_package_is_written_again_and_the_same(tmp_path):
     before = (tmp_path / "lrp.vsix").read_bytes()
     assert lrp("editor", "vscode", tmp_path).exit_code == 0
     assert (tmp_path / "lrp.vsix").read_bytes() == before
+
+
+@pytest.mark.parametrize(("name", "file"), [("neovim", "lrp.lua"), ("helix", "languages.toml")])
+def test_settings_start_this_lrp_and_never_replace_others(tmp_path, name, file):
+    assert lrp("editor", name, tmp_path).exit_code == 0
+    command = Path(sys.executable).with_name("lrp")
+    assert json.dumps(str(command)) in (tmp_path / file).read_text()
+    (tmp_path / file).write_text("mine")
+    refused = lrp("editor", name, tmp_path)
+    assert (refused.exit_code, (tmp_path / file).read_text()) == (2, "mine")
+    assert "exists" in refused.stderr

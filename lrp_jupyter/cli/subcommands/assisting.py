@@ -1,13 +1,38 @@
-"""The command that editors start: ``language-server``."""
+"""The commands for other editors: ``editor``, and ``language-server``, which they start."""
 
 from __future__ import annotations
 
+from enum import StrEnum
+from pathlib import Path
 from typing import Annotated
 
-from typer import Option
+import typer
+from typer import Argument, Option
 
 from lrp_jupyter.cli import complete
 from lrp_jupyter.cli.subcommands.application import BridgeOptions, command
+
+
+class EditorName(StrEnum):
+    """Editors that need a file."""
+
+    vscode = "vscode"
+    neovim = "neovim"
+    helix = "helix"
+
+
+@command()
+def editor(
+    name: Annotated[EditorName, Argument(help="The editor.")],
+    folder: Annotated[Path, Argument(metavar="DIR", help="Folder of the file that is written.")] = Path(),
+) -> None:
+    """Set up an editor for programs: write the file that it needs, and say what to do with it.
+
+    **Exit code**: 0, or 2 when the file exists already or cannot be written.
+    """
+    from lrp_jupyter.editors.setting_up import set_up
+
+    typer.echo(set_up(name.value, folder))
 
 
 @command("language-server")

@@ -42,7 +42,7 @@ local function configuration(buffer)
   end
   return {
     name = 'lrp',
-    cmd = { 'lrp', 'language-server' },
+    cmd = { "lrp", 'language-server' },
     root_dir = vim.fn.fnamemodify(vim.api.nvim_buf_get_name(buffer), ':p:h'),
     capabilities = capabilities,
     handlers = handlers,
@@ -62,7 +62,7 @@ local function attach(buffer)
 end
 
 local function set_up(buffer)
-  vim.bo[buffer].commentstring = '; %s'
+  vim.bo[buffer].commentstring = '# %s'
   vim.bo[buffer].omnifunc = 'v:lua.vim.lsp.omnifunc'
   vim.bo[buffer].expandtab = true
   vim.bo[buffer].shiftwidth = 2
