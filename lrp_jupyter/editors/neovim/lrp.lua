@@ -6,6 +6,7 @@
 -- While `lrp run FILE --watch --socket` runs, values are shown at the ends of lines.
 
 local hints = vim.api.nvim_create_namespace('lrp_live')
+vim.cmd('highlight default link LrpLive DiagnosticInfo')
 local has_own_hints = vim.lsp.inlay_hint ~= nil -- since 0.10
 local client_id
 
@@ -23,7 +24,7 @@ local function show_hints(client)
       if not vim.api.nvim_buf_is_loaded(buffer) then return end
       vim.api.nvim_buf_clear_namespace(buffer, hints, 0, -1)
       for _, hint in ipairs(result or {}) do
-        local virtual = { virt_text = { { ' ' .. hint.label, 'Comment' } }, virt_text_pos = 'eol' }
+        local virtual = { virt_text = { { ' ' .. hint.label, 'LrpLive' } }, virt_text_pos = 'eol' }
         pcall(vim.api.nvim_buf_set_extmark, buffer, hints, hint.position.line, 0, virtual)
       end
     end, buffer)
@@ -115,4 +116,12 @@ vim.api.nvim_create_autocmd('FileType', {
   pattern = 'lrp',
   callback = function(event) set_up(event.buf) end,
 })
-vim.api.nvim_create_autocmd('Syntax', { group = group, pattern = 'lrp', callback = colour })
+vim.api.nvim_create_autocmd('Syntax', {
+  group = group,
+  pattern = 'lrp',
+  callback = function(event)
+    vim.schedule(function() -- after Neovim's own, which clears what there is
+      if vim.api.nvim_buf_is_loaded(event.buf) then vim.api.nvim_buf_call(event.buf, colour) end
+    end)
+  end,
+})
