@@ -90,6 +90,12 @@ def test_what_needs_the_simulator_says_how_to_get_it(lrp, arguments):
     assert "Traceback" not in done.stderr
 
 
+def test_the_language_server_says_how_to_get_it(lrp):
+    done = lrp("language-server")
+    assert done.returncode == 2
+    assert 'Install it with `pip install "lrp-jupyter[editors]"`.' in done.stderr
+
+
 def test_the_lab_says_how_to_get_it(lrp):
     done = lrp("lab")
     assert 'Install it with `pip install "lrp-jupyter[lab]"`.' in done.stderr

@@ -1,0 +1,15 @@
+"""jupyter-lsp lists the server: by the entry point of the installed package, which may need to be installed again."""
+
+import sys
+
+import pytest
+
+jupyter_lsp = pytest.importorskip("jupyter_lsp")
+
+
+def test_jupyter_finds_the_server():
+    manager = jupyter_lsp.LanguageServerManager()
+    manager.init_language_servers()
+    found = manager.language_servers["lrp"]
+    assert found["argv"] == [sys.executable, "-m", "lrp_jupyter", "language-server"]
+    assert found["languages"] == ["lrp"]
