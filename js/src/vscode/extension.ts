@@ -1,27 +1,61 @@
 /** The extension for Visual Studio Code: it starts `lrp language-server`, which knows everything else. */
 
+import { execFile } from "node:child_process";
 import { type ExtensionContext, window, workspace } from "vscode";
-import { LanguageClient } from "vscode-languageclient/node";
+import {
+  CloseAction,
+  ErrorAction,
+  LanguageClient,
+  RevealOutputChannelOn,
+  State,
+} from "vscode-languageclient/node";
+
+const INSTALL =
+  'Install it with pip install "lrp-jupyter[editors]", or name the command in the setting lrp.command.';
 
 let client: LanguageClient | null = null;
 
 async function start(): Promise<void> {
-  const [command, ...options] = workspace.getConfiguration("lrp").get<string[]>("command")!;
+  const [command = "", ...options] = workspace.getConfiguration("lrp").get<string[]>("command")!;
+  const args = [...options, "language-server"];
+  let isServing = false;
   const started = new LanguageClient(
     "lrp",
     "LRP",
-    { command: command!, args: [...options, "language-server"] },
-    { documentSelector: [{ language: "lrp" }] },
+    { command, args },
+    {
+      documentSelector: [{ language: "lrp" }],
+      revealOutputChannelOn: RevealOutputChannelOn.Never,
+      initializationFailedHandler: () => false,
+      errorHandler: {
+        error: () => ({ action: ErrorAction.Continue, handled: true }),
+        closed: () => ({
+          action: isServing ? CloseAction.Restart : CloseAction.DoNotRestart,
+          handled: !isServing,
+        }),
+      },
+    },
   );
+  started.onDidChangeState(({ newState }) => {
+    isServing = newState === State.Running;
+  });
   client = started;
   try {
     await started.start();
   } catch {
-    await window.showErrorMessage(
-      `The command \`${[command, ...options].join(" ")}\` cannot be started, so programs have colours only. ` +
-        'Install it with pip install "lrp-jupyter[editors]", or name it in the setting lrp.command.',
-    );
+    const why = await reason(command, args);
+    await window.showErrorMessage(`Programs have colours only. ${why}`);
   }
+}
+
+/** Why the server does not start: what it says where there is no editor. */
+function reason(command: string, args: string[]): Promise<string> {
+  return new Promise((resolve) => {
+    const server = execFile(command, args, (_error, _output, said) =>
+      resolve(said.trim() || `\`${[command, ...args].join(" ")}\` cannot be started. ${INSTALL}`),
+    );
+    server.stdin?.on("error", () => {}).end();
+  });
 }
 
 async function restart(): Promise<void> {
