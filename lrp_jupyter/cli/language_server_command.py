@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
 
@@ -30,6 +31,8 @@ def serve_editor(bridge: str | None, options: Sequence[str]) -> None:
         made.alone = True
         robot = described(made)
     server = language_server(robot)
+    if sys.stdin.isatty():
+        typer.echo("This waits for an editor, which starts it. Ctrl-C ends it.", err=True)
     gc.freeze()  # a full collection would take longer than a check, between a key and what is found
     gc.set_threshold(50_000, 20, 100)
     server.start_io()

@@ -11,6 +11,7 @@ from lrp_jupyter.editors.certain_fixes import apply_fixes
 from lrp_jupyter.editors.program_text import ProgramText
 from lrp_jupyter.errors import Edit, Finding, Fix
 from lrp_jupyter.language.edits.text_difference import text_difference
+from lrp_jupyter.programs import heading, line_of
 
 QUICK, ALL = lsp.CodeActionKind.QuickFix, lsp.CodeActionKind.SourceFixAll
 """The kinds of fixes: one, and all together."""
@@ -23,7 +24,14 @@ _SEVERITIES = {
 
 def marks(text: ProgramText) -> list[lsp.Diagnostic]:
     """Return the marks of a text."""
-    return [_mark(text, finding) for finding in text.findings]
+    found = [_mark(text, finding) for finding in text.findings]
+    problem = text.robot.read(text.text).problem
+    if problem:  # it begins with the number of the line
+        line = line_of(text.text, str(heading(text.text).world)) - 1
+        start = text.at.offset(lsp.Position(line, 0))
+        place = lsp.Range(lsp.Position(line, 0), text.at.line_end(start))
+        found.append(lsp.Diagnostic(place, problem, lsp.DiagnosticSeverity.Error, source="lrp"))
+    return found
 
 
 def _mark(text: ProgramText, finding: Finding) -> lsp.Diagnostic:

@@ -40,10 +40,11 @@ def _shown(program: Program, news: LiveNews) -> Iterator[tuple[int, str, str]]:
         for noun in nouns:
             yield from _values(noun.span.end, str(noun.name), known.get(_in(path, noun.name), {}))
         for state in owner.states if isinstance(owner, Machine) else ():
-            places = news["states"].get(_in(path, state.name))
+            places = differences([*news["states"].get(_in(path, state.name), ())])
             if places:
-                where = "" if len(places) == 1 else f" ({', '.join(differences(places))})"
-                yield state.name.span.end, str(state.name), f" ● active{where}"
+                where = f" ({', '.join(places)})" if len(places) > 1 else ""
+                how = "" if news["status"] == "running" else f", {news['status']}"
+                yield state.name.span.end, str(state.name), f" ● active{how}{where}"
 
 
 def _values(offset: int, name: str, values: dict[str, str]) -> Iterator[tuple[int, str, str]]:
@@ -72,7 +73,7 @@ def _with_few_digits(found: re.Match[str]) -> str:
 def differences(paths: Sequence[str]) -> list[str]:
     """Return what tells paths apart: each without the names with which all of them begin and end."""
     parts = [path.split("/") for path in paths]
-    least = min(map(len, parts))
+    least = min(map(len, parts), default=0)
     before = next((at for at in range(least) if len({each[at] for each in parts}) > 1), least)
     backwards = range(1, least - before + 1)
     after = next((at for at in backwards if len({each[-at] for each in parts}) > 1), least - before + 1) - 1

@@ -18,6 +18,8 @@ from typing import Self
 
 from lrp_jupyter.editors.live_news import news_of
 from lrp_jupyter.editors.live_place import new_place
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.session import Session
 
 _PAUSE = 0.1  # s between two looks at the run
@@ -68,9 +70,13 @@ class LiveOffer:
 
     def _tell(self, connection: Connection) -> None:
         last = b""
-        with suppress(OSError, EOFError, AuthenticationError), connection:  # the editor has gone, or is none
+        with (
+            suppress(OSError, EOFError, AuthenticationError, LRPError),
+            connection,
+        ):  # it has gone, or is none
             deliver_challenge(connection, self._place.key)
             answer_challenge(connection, self._place.key)
+            self._session.ask(do.Call(self._session.interpreter.watch_events))
             while not self._ended.is_set():
                 message = json.dumps(news_of(self._session.frame), ensure_ascii=False).encode(
                     errors="replace"

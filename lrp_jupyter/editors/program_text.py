@@ -8,7 +8,7 @@ from pathlib import Path
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.editors.checked_robot import bridge_for
 from lrp_jupyter.editors.text_positions import TextPositions
-from lrp_jupyter.errors import Finding
+from lrp_jupyter.errors import Finding, LRPError
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.edits.form_places import Sheet, WrittenForm
 from lrp_jupyter.language.edits.rename import Mention, Symbol, symbols
@@ -18,6 +18,7 @@ from lrp_jupyter.language.reading.matching import matched
 from lrp_jupyter.language.resolution import Resolution, resolve
 from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live.running.checking import members_of
+from lrp_jupyter.programs import world_of
 
 
 class AssumedRobot:
@@ -27,13 +28,18 @@ class AssumedRobot:
         self._named, self._folder = named, folder
         self._heading: str | None = None
         self.bridge: Bridge | None = named
+        self.problem = ""  # why the heading names a world that no program may name
         self.members: RobotMembers | None = None if named is None else members_of(named)
 
     def read(self, text: str) -> AssumedRobot:
         """Look for the robot again, if it may be another one."""
-        heading = text.partition("(")[0]
-        if self._named is None and heading != self._heading:
-            self._heading = heading
+        comments = text.partition("(")[0]
+        if self._named is None and comments != self._heading:
+            self._heading, self.problem = comments, ""
+            try:
+                world_of(text, self._folder)
+            except LRPError as error:
+                self.problem = str(error)
             self.bridge = bridge_for(text, self._folder)
             self.members = None if self.bridge is None else members_of(self.bridge)
         return self

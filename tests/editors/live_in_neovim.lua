@@ -7,6 +7,6 @@ local function shown()
   local marks = space and vim.api.nvim_buf_get_extmarks(0, space, 0, -1, { details = true }) or {}
   return vim.tbl_map(function(each) return each[4].virt_text[1][1] end, marks)
 end
-vim.wait(60000, function() return #shown() == 2 end, 20)
+vim.wait(60000, function() return #shown() == 3 end, 20)
 vim.fn.writefile({ vim.fn.json_encode({ shown = shown() }) }, vim.env.LRP_TOLD)
 vim.cmd('qa!')

@@ -1,4 +1,4 @@
-"""jupyter-lsp lists the server: by the entry point of the installed package, which may need to be installed again."""
+"""jupyter-lsp lists the server, by the entry point of the package as it was installed."""
 
 import sys
 

@@ -162,6 +162,16 @@ def test_the_units_that_the_client_counts_are_agreed_on(editor, encoding):
     )
 
 
+def test_a_world_that_no_program_may_name_is_marked_where_it_stands(editor):
+    lrp = editor()
+    lrp.open(PROGRAM.replace("world: line", "world: ../secret.json"))
+    (error,) = lrp.found()
+    assert lrp.words([error.range]) == ["; world: ../secret.json"]
+    assert "only `--world` chooses another file" in error.message
+    lrp.replace("../secret.json", "maze")
+    assert lrp.found() == ()
+
+
 def test_findings_are_for_the_robot_that_is_named(editor):
     lrp = editor(command=("language-server", "--bridge", "none"))
     lrp.open(PROGRAM.replace("robot.light.data", "robot.no.such"))

@@ -19,7 +19,10 @@ COUNT = """\
   (var n := [0])
   (state counting (running [n = min(n + step, 40)]))
   (state done)
-  (on [n >= 40] counting -> done))
+  (event over [n >= 40])
+  (event early [n < 0])
+  (on over counting -> done)
+  (on early done -> counting))
 (spawn counter counting)
 """
 
@@ -34,12 +37,12 @@ def test_values_and_active_states_are_shown_while_a_program_runs_and_no_longer(e
     lrp.open(COUNT)
     assert shown(lrp) == {}
     process = run(lrp.path)
-    until(lambda: shown(lrp) == {2: "= 1", 4: "= 40", 6: "● active"}, lambda: shown(lrp))
+    until(lambda: shown(lrp) == {2: "= 1", 4: "= 40", 6: "● active", 8: "= False"}, lambda: shown(lrp))
     assert lrp.refreshed > 1
     assert [path.stat().st_mode & 0o077 for path in (runtime, *runtime.glob("*.key"))] == [0, 0]
 
     lrp.replace("; world: none", "; world: none\n; a line more, not saved")
-    assert shown(lrp) == {3: "= 1", 5: "= 40", 7: "● active"}
+    assert shown(lrp) == {3: "= 1", 5: "= 40", 7: "● active", 9: "= False"}
     before = lrp.refreshed
     lrp.path.write_text(COUNT.replace("[1]", "[2]"))
     until(lambda: shown(lrp).get(3) == "= 2")
@@ -99,6 +102,15 @@ def test_of_two_runs_the_last_one_is_shown_and_then_the_other(editor, run):
     until(lambda: shown(lrp).get(2) == "= 3")
     last.send_signal(signal.SIGINT)
     until(lambda: shown(lrp).get(2) == "= 1")
+
+
+def test_a_run_that_is_paused_says_so(editor, run):
+    lrp = editor()
+    lrp.path.write_text(COUNT)
+    lrp.open(COUNT)
+    run(lrp.path, "--break", "done")
+    until(lambda: shown(lrp).get(6) == "● active, paused", lambda: shown(lrp))
+    assert 7 not in shown(lrp), "`over` is not tested in this state"
 
 
 GROWING = """\

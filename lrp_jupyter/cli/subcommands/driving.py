@@ -46,6 +46,9 @@ one call of C did not return: the stacks that are printed then show its line.
 valid program changes nothing: its errors are shown and the last valid program keeps running. A block that
 does not return is interrupted by the next save, or by the key `i`.
 
+**Editors**: with `--socket` the editors that have the file open, of the same user on the same machine, show
+what is active and the values of variables at the ends of the lines: see `lrp language-server`.
+
 **Breakpoints**: `--break looking` completes the tick in which the state `looking` is entered, then pauses;
 space resumes, `s` steps. `--break tlooking` waits for a transition, `--break 'left moving'` for the end of a
 state, `--break 'event outofline'` for an event, `--break 'when robot.light.data < 50'` for a condition over
