@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from importlib.util import find_spec
 from typing import Any
+
+from lrp_jupyter.process import PYTHON
 
 
 def spec(_: object) -> dict[str, dict[str, Any]]:
@@ -13,7 +14,7 @@ def spec(_: object) -> dict[str, dict[str, Any]]:
         return {}
     return {
         "lrp": {
-            "argv": [sys.executable, "-m", "lrp_jupyter", "language-server"],
+            "argv": [PYTHON, "-P", "-m", "lrp_jupyter", "language-server"],
             "languages": ["lrp"],
             "version": 2,
             "mime_types": ["text/x-lrp"],

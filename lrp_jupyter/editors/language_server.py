@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -113,7 +114,8 @@ class ProgramServer(LanguageServer):
         """Have live values shown soon; called on another thread."""
         if self._loop is not None and not self._is_stale:
             self._is_stale = True
-            self._loop.call_soon_threadsafe(self._loop.call_later, _REFRESH, self._refresh)
+            with suppress(RuntimeError):  # it ends
+                self._loop.call_soon_threadsafe(self._loop.call_later, _REFRESH, self._refresh)
 
     def _refresh(self) -> None:
         self._is_stale = False

@@ -11,5 +11,5 @@ def test_jupyter_finds_the_server():
     manager = jupyter_lsp.LanguageServerManager()
     manager.init_language_servers()
     found = manager.language_servers["lrp"]
-    assert found["argv"] == [sys.executable, "-m", "lrp_jupyter", "language-server"]
+    assert found["argv"] == [sys.executable, "-P", "-m", "lrp_jupyter", "language-server"]
     assert found["languages"] == ["lrp"]
