@@ -46,7 +46,6 @@ class LRPLexer(Lexer):
     aliases = ("lrp",)
     filenames = ("*.lrp",)
     mimetypes = ("text/x-lrp",)
-    url = "https://pypi.org/project/lrp-jupyter/"
 
     def get_tokens_unprocessed(self, text: str) -> _Coloured:
         """Yield the offset, type and text of each token."""
