@@ -126,6 +126,13 @@ async function vscode() {
   writeFileSync(`${outdir}/THIRD-PARTY-LICENSES.txt`, licences("extension.js", Object.keys(metafile.inputs)));
 }
 
+/** The page of a run, which `lrp run --serve` serves beside the lab. */
+async function served() {
+  const outdir = `${OUT}/served`;
+  await build({ ...options, entryPoints: ["src/served/served.ts"], outdir, minify: true, logLevel: "info" });
+  for (const name of ["index.html", "served.css"]) copyFileSync(`src/served/${name}`, `${outdir}/${name}`);
+}
+
 if (process.argv.includes("--watch")) {
   await (await context({ ...options, sourcemap: "inline", logLevel: "info" })).watch();
 } else {
@@ -144,4 +151,5 @@ if (process.argv.includes("--watch")) {
   if (/https?:\/\/(cdn|unpkg|esm)\b/.test(bundle)) throw new Error("lab.js loads from elsewhere");
   await site();
   await vscode();
+  await served();
 }

@@ -17,10 +17,11 @@ from collections import deque
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
 from time import perf_counter
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import typer
 from rich.console import RenderableType
@@ -51,6 +52,9 @@ from lrp_jupyter.live.running.frame import Frame, missing_state
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.teller import REMEMBERED
 from lrp_jupyter.logs import open_log
+
+if TYPE_CHECKING:
+    from lrp_jupyter.served.page_server import PageServer
 
 LIMIT = 10.0
 """Wall seconds that a block may take in a run of limited length."""
@@ -85,9 +89,9 @@ def run_file(file: str, wanted: RunOptions) -> int:
     program, findings = scan(source.text, source.name)
     if program is None:
         print_findings(source.name, source.text, findings)
-        if not wanted.watch or wanted.start is not None:
+        if not (wanted.watch or wanted.serve) or wanted.start is not None:
             return 1
-        complaints.print("Nothing runs yet. Correct the text and save it.")
+        complaints.print("Nothing runs yet. Correct the text" + (" and save it." if wanted.watch else "."))
     running = Program(filename=source.name) if program is None else with_initials(program, wanted.assignments)
     if program is not None and wanted.until is not None and not wanted.watch:
         missing = missing_state(wanted.until, program)
@@ -117,7 +121,7 @@ def _run(
             name=FilePath(source.name).stem,
             on_active_edit=wanted.on_active_edit,
             on_issue=wanted.on_issue,
-            journal=None if wanted.animate is not None else REMEMBERED if bridge.tells_why else 0,
+            journal=None if wanted.animate or wanted.serve else REMEMBERED if bridge.tells_why else 0,
             speed=wanted.speed,
             start=wanted.start,
         )
@@ -132,7 +136,21 @@ def _run(
             from lrp_jupyter.editors.live_offer import LiveOffer
 
             stack.enter_context(LiveOffer(session, source.path))
-        return _Run(session, source, wanted, trace).go(program)
+        page = None if wanted.serve is None else stack.enter_context(_served(session, source, wanted))
+        return _Run(session, source, wanted, trace, page).go(program)
+
+
+def _served(session: Session, source: Source, wanted: RunOptions) -> PageServer:
+    """Return the server of the page of a run."""
+    try:
+        from lrp_jupyter.served.page_server import PageServer
+        from lrp_jupyter.served.served_program import ServedProgram
+    except ModuleNotFoundError as error:
+        raise typer.BadParameter(
+            f'--serve needs `{error.name}`: install it with `pip install "lrp-jupyter[serve]"`.'
+        ) from None
+    program = ServedProgram(session, source.text, source.path, wanted.watch, wanted.read_only)
+    return PageServer(program, wanted.serve or "", wanted.certificate or "", wanted.key or "")
 
 
 def _check_files(source: Source, wanted: RunOptions) -> None:
@@ -220,8 +238,16 @@ def _opened(trace: str | None, stack: ExitStack) -> IO[str] | None:
 class _Run:
     """One run, controlled from the main thread."""
 
-    def __init__(self, session: Session, source: Source, wanted: RunOptions, trace: IO[str] | None) -> None:
+    def __init__(
+        self,
+        session: Session,
+        source: Source,
+        wanted: RunOptions,
+        trace: IO[str] | None,
+        page: PageServer | None = None,
+    ) -> None:
         self.session = session
+        self._page = page
         self.source = source
         self.wanted = wanted
         self._wake: SimpleQueue[None] = SimpleQueue()  # a signal handler may not call an event's `set`
@@ -304,6 +330,7 @@ class _Run:
                 self._differs = "The file on disk does not run: it has errors."
             else:
                 self._print_findings(program.text, session.check(program))
+            self._print_link()
             if self._board is not None:
                 self._output(self._board.__enter__)
                 stack.callback(self._output, self._board.__exit__)
@@ -330,6 +357,21 @@ class _Run:
             self._keys = None
             self._refresh(is_last=True)
         return frame, wall, alone
+
+    def _print_link(self) -> None:
+        if self._page is None:
+            return
+        show = partial(self._output, plain_console(stderr=self.wanted.trace == "-").print)
+        show(f"The page of this run: {self._page.link}")
+        if self.source.path is None:
+            show(
+                "The program is a bundled one, so what is typed there ends with the run. Save… writes a file."
+            )
+        if self._page.is_open:
+            show(
+                "Others on the network can read this link when it is opened, and then do whatever you can do"
+                " on this computer. `--certificate FILE` encrypts the page."
+            )
 
     def _must_end(self) -> bool:
         """Return whether a person wants the end, or cannot see anything any more."""
@@ -359,8 +401,8 @@ class _Run:
 
     @property
     def _is_alone(self) -> bool:
-        """Whether neither a key nor a save can resume a run."""
-        return self._keys is None and not self.wanted.watch
+        """Whether neither a key, a save nor a page can resume a run."""
+        return self._keys is None and not self.wanted.watch and self._page is None
 
     def _overdue(self) -> bool:
         """Return whether a run that is to end by itself cannot, because a block does not return."""
@@ -531,6 +573,8 @@ class _Run:
             self._apply(saved)
 
     def _apply(self, text: str) -> None:
+        if self._page is not None and not self._page.program.look():
+            return  # a page has written it
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         self._differs = "" if program else "The file on disk is not what runs: it has errors."
@@ -538,6 +582,8 @@ class _Run:
             self.print(Text(f"{head}not a valid program; the last one keeps running", "bold red"))
             print_findings(self.source.name, text, findings, self.print)
             return
+        if self._page is not None:
+            return  # which is an edit like any other of its own
         try:
             command = do.ReplaceProgram(with_initials(program, self.wanted.assignments))
             self._edits.append((text, self.session.ask(command)))

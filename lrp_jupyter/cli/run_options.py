@@ -40,6 +40,10 @@ class RunOptions:
     fires: tuple[tuple[str, float], ...]  # transitions fired by hand, each with its time in seconds
     watch: bool
     socket: bool  # whether editors are told what runs
+    serve: str | None  # where its page is served: `[HOST:]PORT`
+    certificate: str | None
+    key: str | None
+    read_only: bool
     on_active_edit: Literal["restart", "keep"]
     on_issue: Literal["record", "pause"]
     answers: dict[str, str]  # options of the bridge, and answers to its questions
@@ -58,6 +62,15 @@ def parse_options(
     **others: Any,
 ) -> RunOptions:
     """Return the options of a run, with those parsed that are more than a text or a number."""
+    if others["serve"] is None and (others["certificate"] or others["key"] or others["read_only"]):
+        raise typer.BadParameter("--certificate, --key and --read-only are for a page: add `--serve PORT`.")
+    if others["key"] and not others["certificate"]:
+        raise typer.BadParameter("--key is that of a certificate: add `--certificate FILE`.")
+    if others["serve"] is not None and assignments:
+        raise typer.BadParameter(
+            "--set runs another program than the text that a page would show. Leave it out, and change the"
+            " text."
+        )
     if not (rate == 0 or SLOWEST <= rate <= FASTEST):
         raise typer.BadParameter(
             f"--rate takes {SLOWEST:g} to {FASTEST:,.0f} ticks per second, or 0 for as many as possible, "

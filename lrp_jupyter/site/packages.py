@@ -22,7 +22,7 @@ from lrp_jupyter.errors import LRPError
 from lrp_jupyter.process import python_of
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-_LEFT_OUT = ("cli/", "notebooks/", "site/", "static/site/")
+_LEFT_OUT = ("cli/", "notebooks/", "served/", "site/", "static/served/", "static/site/")
 """What a browser has no use for: the command line, the notebooks, and what a site is built from."""
 _PURE = "-none-any.whl"
 _TAGS = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--implementation", "cp")

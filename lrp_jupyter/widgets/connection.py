@@ -23,7 +23,7 @@ from time import monotonic
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.errors import BridgeError, SessionClosedError
+from lrp_jupyter.errors import BridgeError, LRPError, SessionClosedError
 from lrp_jupyter.live.running import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.stored.run_files import runs_folder
@@ -92,6 +92,7 @@ class PageConnection:
         self._free_name = free_name
         self.fault = ""  # the last traceback of the lab itself
         self.closed = False
+        self.read_only = ""  # why pages may only look, a sentence; empty: they may change everything
         self._clock = clock
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
@@ -152,6 +153,10 @@ class PageConnection:
 
     def _type(self, message: TextMessage) -> None:
         """Merge what was typed; a view that does not know the text gets it, and keeps what it has."""
+        if self.read_only:
+            self.texts.enter(message.view, message.seq)
+            self._publisher.begin_again(message.view)
+            return
         rename: Rename | None = None
         if message.rename is not None:
             kind, path, name = message.rename
@@ -184,6 +189,11 @@ class PageConnection:
     def _do(self, asked: AskedMessage) -> None:
         """Carry out the request of a page; reply when it is done, or at once if it cannot begin."""
         handler = asked.handler
+        if self.read_only and not handler.only_looks:
+            refused: Future[Any] = Future()
+            refused.set_exception(LRPError(self.read_only))
+            self._publisher.reply_later(PendingReply(asked.view, asked.id, refused, self._clock()))
+            return
         if handler.is_noted:
             self.session.looked("command", handler.name)
         if handler.is_present:

@@ -93,7 +93,7 @@ class Lesson {
     await python.open(place.wanted, true, hung);
     place.show(true);
     place.say(this.isKept ? "" : UNKEPT, "error");
-    this.close = widget.render({ model: python.model(), el: place.live });
+    this.close = widget.render({ model: python.model, el: place.live });
   }
 
   /** Copy the link that contains the program. */

@@ -5,12 +5,13 @@
 
 import type lab from "../index";
 import { copyText } from "../ui/clipboard";
-import { h, prose } from "../ui/dom";
+import { h } from "../ui/dom";
 import { addressOf, readAddress, type Wanted } from "./address";
 import { keepFiles } from "./keeping";
 import type { Site } from "./messages";
 import { writeNotebook } from "./notebook";
 import { Python } from "./python";
+import { element, say } from "./said";
 
 const HUNG = "lrp-hung"; // in this tab's storage: Python was ended because it did not answer
 const UNKEPT =
@@ -19,15 +20,7 @@ const VERSION = new URL(import.meta.url).search; // of the site: `?v=…`
 
 const base = new URL("./", location.href);
 const file = (name: string) => new URL(name + VERSION, base);
-const element = (id: string) => document.getElementById(id)!;
 const host = element("lab");
-const status = element("status");
-
-function say(sentence: string, kind: "busy" | "error" | "done" = "busy"): void {
-  status.replaceChildren(...prose(sentence));
-  status.dataset.kind = kind;
-  status.hidden = !sentence;
-}
 
 class Page {
   private wanted: Wanted = {};
@@ -71,8 +64,7 @@ class Page {
     this.close = () => {};
     host.replaceChildren();
     await this.python.open(this.wanted, again, hung);
-    const model = this.python.model();
-    this.close = this.render({ model, el: host });
+    this.close = this.render({ model: this.python.model, el: host });
     say(this.isKept ? "" : UNKEPT, "error");
   }
 

@@ -1,8 +1,7 @@
 /** Python in a worker, as the page sees it: a model for the lab, and what the page itself asks of it. */
 
-import type { Model } from "../session/connection";
-import type { Packed } from "../session/plain";
 import type { FromWorker, InLesson, Shared, Site, ToWorker } from "./messages";
+import { PageModel } from "./model";
 
 const PING_EVERY = 1000; // ms
 const SILENT_AFTER = 8000;
@@ -16,11 +15,10 @@ interface Watching {
   unkept(): void;
 }
 
-type Receive = (message: Packed, buffers: Uint8Array[]) => void;
-
 export class Python {
   private readonly worker: Worker;
-  private readonly receivers = new Set<Receive>();
+  /** The model of a lab of the program that is open. */
+  readonly model = new PageModel((message) => this.post({ do: "message", message }));
   private waiting: {
     is: FromWorker["is"];
     resolve: (message: FromWorker) => void;
@@ -55,18 +53,6 @@ export class Python {
     return (await this.ask({ do: "text" }, "text")) as FromWorker & Shared;
   }
 
-  /** The model of a lab of the program that is open. */
-  model(): Model & { get(name: string): unknown } {
-    return {
-      send: (content) => this.post({ do: "message", message: (content as Packed).json }),
-      on: (event, callback) => {
-        if (event === "msg:custom") this.receivers.add(callback as Receive);
-      },
-      off: (_event, callback) => void this.receivers.delete(callback as Receive),
-      get: (name) => (name === "view" ? "lab" : undefined),
-    };
-  }
-
   end(): void {
     clearInterval(this.timer);
     this.worker.terminate();
@@ -88,9 +74,7 @@ export class Python {
     this.watching.silent(false);
     if (message.is === "step") this.watching.step(message.step);
     if (message.is === "unkept") this.watching.unkept();
-    if (message.is === "message") {
-      for (const receive of this.receivers) receive({ json: message.message }, message.buffers);
-    }
+    if (message.is === "message") this.model.receive(message.message, message.buffers);
     const index = this.waiting.findIndex(({ is }) => is === message.is || message.is === "failed");
     if (index < 0) return;
     const [{ resolve, reject }] = this.waiting.splice(index, 1) as [(typeof this.waiting)[0]];

@@ -49,6 +49,11 @@ does not return is interrupted by the next save, or by the key `i`.
 **Editors**: with `--socket` the editors that have the file open, of the same user on the same machine, show
 what is active and the values of variables at the ends of the lines: see `lrp language-server`.
 
+**A page**: `--serve 8080` prints a link, once. Whoever opens it has the lab of this run, without Jupyter, and
+can change the program, which is then written to the file. The link holds a token: keep it to yourself, for a
+program can do all that you can on this computer. `--serve 0.0.0.0:8080` serves other computers, too,
+encrypted with `--certificate`; `--read-only` only shows.
+
 **Breakpoints**: `--break looking` completes the tick in which the state `looking` is entered, then pauses;
 space resumes, `s` steps. `--break tlooking` waits for a transition, `--break 'left moving'` for the end of a
 state, `--break 'event outofline'` for an event, `--break 'when robot.light.data < 50'` for a condition over
@@ -180,6 +185,21 @@ def run(
         bool,
         Option("--socket", help="Tell your editors what runs: they show values at the ends of lines."),
     ] = False,
+    serve: Annotated[
+        str | None,
+        Option(
+            metavar="[HOST:]PORT",
+            help="Serve the lab of this run to browsers, at the link that is printed; without HOST to those"
+            " on this computer. Port 0: a free one.",
+        ),
+    ] = None,
+    certificate: Annotated[
+        str | None, Option(metavar="FILE", help="Encrypt the page, with this certificate (PEM).")
+    ] = None,
+    key: Annotated[
+        str | None, Option(metavar="FILE", help="The key of the certificate, if it is in another file.")
+    ] = None,
+    read_only: Annotated[bool, Option("--read-only", help="Pages look and ask, and change nothing.")] = False,
     on_active_edit: Annotated[
         EditPolicy,
         Option(
@@ -215,6 +235,10 @@ def run(
         fires=fires or [],
         watch=watch,
         socket=socket,
+        serve=serve,
+        certificate=certificate,
+        key=key,
+        read_only=read_only,
         on_active_edit=on_active_edit.value,
         on_issue=on_issue.value,
         answers=[*([f"host={host}"] if host else []), *(options or [])],

@@ -206,7 +206,7 @@ def versions(opened: OpenProgram) -> list[VersionView]:
     ]
 
 
-@question("exists")
+@question("exists", only_looks=False)
 def save(opened: OpenProgram, name: str, replace: bool) -> bool:
     """Write the text to a file; return whether another file is there, and nothing was written."""
     if not name.strip():

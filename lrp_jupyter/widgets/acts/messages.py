@@ -153,6 +153,8 @@ class Handler:
     changes_world: bool = False
     """Whether a page shows its effect before the world is described; the reply follows the description."""
     is_noted: bool = True  # in the recording of a person's actions
+    only_looks: bool = False
+    """Whether it changes neither program, robot nor file, and runs no text that the page has sent."""
 
     @cached_property
     def fields(self) -> Fields:
@@ -177,12 +179,12 @@ def act(patience: float = 1.0, **flags: bool) -> Callable[[Function], Function]:
     return register
 
 
-def question(answer: str, patience: float = 1.0) -> Callable[[Function], Function]:
+def question(answer: str, patience: float = 1.0, only_looks: bool = True) -> Callable[[Function], Function]:
     """Return the decorator of what answers a question of a page; see `Handler`."""
 
     def register(function: Function) -> Function:
         name = function.__name__.rstrip("_")  # which would differ from its name in Python
-        QUESTIONS[name] = Handler(name, function, patience, answer, is_noted=False)
+        QUESTIONS[name] = Handler(name, function, patience, answer, is_noted=False, only_looks=only_looks)
         return function
 
     return register

@@ -256,7 +256,7 @@ def pin(opened: OpenProgram, path: str, name: str, x: float, y: float) -> None:
     opened.layouts.pin(path, name, x, y)
 
 
-@act(is_noted=False)  # the page sends it by itself
+@act(is_noted=False, only_looks=True)  # the page sends it by itself
 def fit(opened: OpenProgram, width: float, height: float) -> None:
     """Choose places for new states so that the graph fits into a panel of this size, in px."""
     if width > 0 and height > 0:

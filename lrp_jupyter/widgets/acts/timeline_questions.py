@@ -33,7 +33,7 @@ def plots(
     return opened.session.plots(names, event or None, seconds)
 
 
-@act(is_noted=False)
+@act(is_noted=False, only_looks=True)
 def look(opened: OpenProgram, tick: int | None = None, time: float | None = None) -> Applied:
     """Show an earlier moment, by its tick or its time in seconds; without either, show the present again."""
     session, looking = opened.session, opened.looking
@@ -70,7 +70,7 @@ def what_if(opened: OpenProgram, seconds: Annotated[float, Between(0.1, 600)]) -
     return session.what_if(opened.looking.tick(session), seconds=seconds)
 
 
-@question("what_ifs", 30.0)
+@question("what_ifs", 30.0, only_looks=False)
 def try_programs(
     opened: OpenProgram, programs: list[str], seconds: Annotated[float, Between(0.1, 600)]
 ) -> list[WhatIf]:

@@ -167,7 +167,7 @@ def world_text(bridge: SimBridge, text: str) -> None:
     bridge.load_world(read_text(text, "The file"))
 
 
-@question("exists")
+@question("exists", only_looks=False)
 def save_world(opened: OpenProgram, name: str, replace: bool) -> bool:
     """Write the world to a JSON file; return whether another file is there, and nothing was written."""
     file = Path(os.path.expanduser(name.strip()))

@@ -31,6 +31,9 @@ class Saver:
         self.kept = kept
         self.problem = ""  # why the texts cannot be kept at the moment; empty if they are
         self.home = home if kept is None else kept.home  # not that of a program of the same name elsewhere
+        self.follows = (
+            False  # whether what another program writes to the file is an edit, once told to `look`
+        )
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
         self._looked = self._again = float("-inf")
@@ -110,6 +113,11 @@ class Saver:
                     self.texts.session.output.print(f"The text is not kept. {error}")
                 self.problem = str(error)
 
+    def look(self) -> None:
+        """Look now whether another program has changed the file."""
+        self._looked = float("-inf")
+        self.save(at_once=True)
+
     def _notice_hanging(self) -> None:
         """Remember the text of a program that hangs, so that it is not started again automatically."""
         frame, now = self.texts.session.frame, self.texts.clock()
@@ -124,12 +132,15 @@ class Saver:
     def _save(self, kept: Kept) -> None:
         texts, now = self.texts, self.texts.clock()
         wanted = self._wanted()
-        if wanted == self._stored and now - self._looked < _LOOK:
+        if wanted == self._stored and now - self._looked < (float("inf") if self.follows else _LOOK):
             return
         self._looked = now
         other = kept.changed(".lrp")
         if other is not None and other != texts.accepted:
-            texts.ask(Conflict("file", other, kept.shown_file))
+            if self.follows:
+                texts.follow(other)
+            else:
+                texts.ask(Conflict("file", other, kept.shown_file))
             wanted = self._wanted()
         accepted, remembered = wanted
         if accepted is not None:

@@ -87,7 +87,7 @@ class _Hand:
 
 
 class Texts:
-    """See the module's docstring. `given_in`: where the program is opened from: a cell, or a link."""
+    """See the module's docstring. `given_in`: where the program is opened from: a cell, a link, a file."""
 
     def __init__(self, given_in: str = "cell") -> None:
         self._given_in = given_in
@@ -140,6 +140,13 @@ class Texts:
             self._leave(text, is_typed=False)
             self._continue_with(text)
             self._offer()
+
+    def follow(self, text: str) -> None:
+        """Continue with a text that another program has written to the file of the program."""
+        with self.lock:
+            self.write(text)
+            if self.accepted != text:
+                self.accepted = None  # or the last program would replace it there
 
     def type(
         self,
