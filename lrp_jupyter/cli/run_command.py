@@ -29,6 +29,7 @@ from rich.text import Text
 
 from lrp_jupyter.bridges.bridge import Bridge, BridgeStatus, ConnectionState
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
+from lrp_jupyter.bridges.guarding.safety import Notice
 from lrp_jupyter.bridges.options import options_of, refuse_options
 from lrp_jupyter.cli.board import Board, BoardState
 from lrp_jupyter.cli.console import plain_console
@@ -276,6 +277,7 @@ class _Run:
         self._notices: set[str] = set()  # of the robot, printed already
         # where nothing real moves, being connected is nothing to say
         self._connection = None if session.bridge.hardware else ConnectionState.CONNECTED
+        self._armed: Notice | None = None  # the last one that says so, or that it is not
         self._last: deque[str] = deque(maxlen=_LAST)
         self._values: dict[Path, str] = {}
         self._fires: deque[tuple[str, Future[Any]]] = deque()  # transitions fired by hand
@@ -477,9 +479,13 @@ class _Run:
             self._notices.add(status.sentence)  # the notice of a loss is its status
             style = "bold red" if status.state in _BAD else "yellow"
             self.print(Text(f"{frame.time:8.1f} s  robot: {status.sentence}", style))
+        name = self.session.bridge.name
+        armed = next((each for each in reversed(notices) if each.text.startswith(f"`{name}` is ")), None)
+        again = None if armed is self._armed else armed  # perhaps by a page, and not for the first time
+        self._armed = armed
         says_it = status.state in (ConnectionState.STALE, ConnectionState.WAITING)
         for notice in notices:
-            if notice.text in self._notices:
+            if notice.text in self._notices and notice is not again:
                 continue
             self._notices.add(notice.text)
             if not (notice.kind == "stale" and says_it):
@@ -517,8 +523,15 @@ class _Run:
             changed=changed,
             keys=self._keys is not None,
             differs=self._differs,
-            trouble=status.sentence if (status := self.session.bridge.status).state in _BAD else "",
+            trouble=self._trouble(),
         )
+
+    def _trouble(self) -> str:
+        """Return why the robot does not move, a sentence; empty if it may."""
+        bridge = self.session.bridge
+        if (status := bridge.status).state in _BAD:
+            return status.sentence
+        return "The robot is disarmed." if bridge.hardware and not bridge.safety.armed else ""
 
     def _drawn(self, frame: Frame) -> list[str]:
         """Return the latest map of the world and submit a request for the next, drawn between two ticks."""

@@ -14,7 +14,6 @@ import secrets
 import ssl
 import threading
 import traceback
-from collections import defaultdict
 from contextlib import AsyncExitStack
 from functools import partial
 from http import HTTPStatus
@@ -37,8 +36,9 @@ from lrp_jupyter.served.served_program import ServedProgram
 _SOCKET = "/socket"
 _FIRST_WORDS = 10.0  # s in which a page shows the token
 _ALIVE = 10.0  # s from one sign of life of a page to the next
-_MOST_PAGES, _MOST_CONNECTIONS = 16, 64
+_MOST_PAGES, _MOST_CONNECTIONS = 16, 32
 _WRONG_TOKENS = 0.1, 5.0  # of one computer: a second, and at once
+_MOST_COMPUTERS = 1000  # that are remembered for wrong tokens
 _SILENT = logging.Logger("lrp page", logging.CRITICAL + 1)  # a message may have the token
 
 
@@ -60,7 +60,7 @@ class PageServer:
         self._names = self._doorway.names
         self._owners: dict[str, PageVisit] = {}
         self._visits: set[PageVisit] = set()
-        self._wrong: defaultdict[str, Allowance] = defaultdict(lambda: Allowance(*_WRONG_TOKENS))
+        self._wrong: dict[str, Allowance] = {}  # tokens, by address
         self._ready = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name="lrp page", daemon=True)
 
@@ -151,8 +151,8 @@ class PageServer:
 
     async def _refusal(self, socket: ServerConnection) -> Closing | None:
         """Return why a page is not answered."""
-        wrong = self._wrong[str(socket.remote_address[0])]
-        if wrong.left < 1:
+        address = str(socket.remote_address[0])
+        if address in self._wrong and self._wrong[address].left < 1:
             return Closing.TOO_OFTEN
         try:
             token = await asyncio.wait_for(socket.recv(), _FIRST_WORDS)
@@ -160,7 +160,9 @@ class PageServer:
             token = ""
         given = token.encode() if isinstance(token, str) else token
         if not hmac.compare_digest(given, self._token.encode()):
-            wrong.take()
+            if len(self._wrong) >= _MOST_COMPUTERS:
+                self._wrong.clear()
+            self._wrong.setdefault(address, Allowance(*_WRONG_TOKENS)).take()
             return Closing.NO_TOKEN
         return Closing.FULL if len(self._visits) >= _MOST_PAGES else None
 

@@ -19,12 +19,13 @@ from lrp_jupyter.served.allowance import Allowance
 from lrp_jupyter.served.served_program import ServedProgram
 from lrp_jupyter.widgets.wire.packing import packed
 
-LARGEST = 2_000_000
+LARGEST = 1_000_000
 """Bytes of a message of a page."""
 _MESSAGES = 300.0, 1200.0  # of a page: a second, and at once
-_BYTES = 1_000_000.0, 2.0 * LARGEST
+_BYTES = 1.0 * LARGEST, 2.0 * LARGEST
 _MOST_WAITING = 16_000_000  # bytes that wait to be sent to a page
 _MOST_VIEWS = 8
+_LOST = 3.0  # s of silence after which a view may come back over another connection
 _LONGEST_NAME = 100  # of a view
 
 
@@ -51,6 +52,7 @@ class PageVisit:
         self._loop = asyncio.get_running_loop()
         self._waiting: asyncio.Queue[str | bytes] = asyncio.Queue()
         self._size = 0  # of what waits
+        self._heard = self._loop.time()
         self._messages, self._bytes = Allowance(*_MESSAGES), Allowance(*_BYTES)
         self._put(packed(about), ())
 
@@ -96,11 +98,13 @@ class PageVisit:
         view = content.get("view")
         if not (isinstance(view, str) and len(view) <= _LONGEST_NAME):
             return Closing.STRANGE
-        if content.get("type") == "hello":
-            self._owners[view] = self
+        self._heard = self._loop.time()
+        owner = self._owners.get(view, self)
+        if content.get("type") == "hello" and (owner is self or self._heard - owner._heard > _LOST):
+            self._owners[view] = owner = self
             if len(self._views()) > _MOST_VIEWS:
                 return Closing.STRANGE
-        if self._owners.get(view, self) is self:  # one that was forgotten is anyone's: stop means stop
+        if owner is self:  # also of a view that was forgotten: stop means stop
             self._program.receive(self._send, content)
         return None
 

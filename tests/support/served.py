@@ -3,7 +3,9 @@
 import json
 import re
 import ssl
-from contextlib import contextmanager
+import time
+from collections import deque
+from contextlib import contextmanager, suppress
 from urllib.parse import urlsplit
 
 from websockets.exceptions import ConnectionClosed
@@ -11,7 +13,7 @@ from websockets.sync.client import connect
 
 from support.waiting import until
 
-WAIT = 120  # s: it only ends a test that hangs
+WAIT = 120
 
 
 class ServedRun:
@@ -52,36 +54,42 @@ class Visitor:
         self.say("hello", part="lab")
         self.snapshot = self.get("snapshot")
 
-    def say(self, kind, **fields):
+    def say(self, kind, /, **fields):
         self.socket.send(json.dumps({"type": kind, "view": self.view, **fields}))
 
     def get(self, kind, holds=lambda message: True):
         """The next message of a kind for which a condition holds; frames are acknowledged meanwhile."""
+        seen = deque(maxlen=20)
+        until_then = time.monotonic() + WAIT
         while True:
+            assert time.monotonic() < until_then, f"no such {kind}: {[*seen]}"
             data = self.socket.recv(WAIT)
             if isinstance(data, bytes):
                 continue
             message = json.loads(data)
+            seen.append({key: each for key, each in message.items() if key not in ("time", "tick", "robot")})
+            if message["type"] in ("snapshot", "answer"):
+                self.revision = message["revision"]
             if message["type"] == "frame":
-                self.say("credit", frame=message["frame"])
+                with suppress(ConnectionClosed):  # and this is one of its last
+                    self.say("credit", frame=message["frame"])
             if message["type"] == kind and message["view"] == self.view and holds(message):
                 return message
 
-    def ask(self, kind, **fields):
+    def ask(self, kind, /, **fields):
         """Ask, and return the reply."""
         self.number += 1
         self.say(kind, id=self.number, **fields)
         return self.get("reply", lambda message: message["id"] == self.number)
 
-    def do(self, name, **fields):
+    def do(self, act, /, **fields):
         """Do something, and return the error."""
-        return self.ask("command", do=name, **fields)["error"]
+        return self.ask("command", do=act, **fields)["error"]
 
-    def type(self, sections, base=None):
-        """Send what was typed; return the answer."""
+    def type(self, sections):
+        """Send what was typed into the newest text; return the answer."""
         self.seq += 1
-        base = self.snapshot["revision"] if base is None else base
-        self.say("text", seq=self.seq, base=base, updates=[sections], selection=None)
+        self.say("text", seq=self.seq, base=self.revision, updates=[sections], selection=None)
         return self.get("answer", lambda message: message["seq"] == self.seq)
 
     def replace(self, old, new):

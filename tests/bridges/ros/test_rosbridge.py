@@ -6,7 +6,6 @@ import json
 import math
 import re
 import ssl
-import subprocess
 import threading
 import time
 from collections.abc import Callable
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support.certificates import own_certificate
 from support.waiting import until
 
 from lrp_jupyter.bridges.bridge import ConnectionState
@@ -783,17 +783,7 @@ def can_stop(side: RosSide) -> bool:
 
 @pytest.fixture(scope="module")
 def certificate(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """A certificate that nobody signed but its owner, and its key."""
-    folder = tmp_path_factory.mktemp("certificate")
-    names = (folder / "robot.pem", folder / "robot.key")
-    key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", str(names[1]))
-    command = ["openssl", "req", "-x509", *key, "-days", "2", "-subj", "/CN=robot", "-out", str(names[0])]
-    command += ["-addext", "subjectAltName=IP:127.0.0.1"]
-    try:
-        subprocess.run(command, check=True, capture_output=True)
-    except FileNotFoundError:
-        pytest.skip("There is no openssl to make a certificate with.")
-    return names
+    return own_certificate(tmp_path_factory.mktemp("certificate"))
 
 
 @pytest.fixture
