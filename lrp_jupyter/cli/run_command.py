@@ -151,7 +151,8 @@ def _served(session: Session, source: Source, wanted: RunOptions) -> PageServer:
             f'--serve needs `{error.name}`: install it with `pip install "lrp-jupyter[serve]"`.'
         ) from None
     program = ServedProgram(session, source.text, source.path, wanted.watch, wanted.read_only)
-    return PageServer(program, wanted.serve or "", wanted.certificate or "", wanted.key or "")
+    token = os.environ.pop("LRP_TOKEN", "")  # which the program need not see
+    return PageServer(program, wanted.serve or "", wanted.certificate or "", wanted.key or "", token)
 
 
 def _check_files(source: Source, wanted: RunOptions) -> None:

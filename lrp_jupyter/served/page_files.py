@@ -1,6 +1,6 @@
 """The few files of the page, and the headers that go with every answer.
 
-The page runs no script but its own, speaks to nobody but this server, and is shown in no frame.
+The page runs no script but its own, speaks only to this server, and is shown in no frame.
 """
 
 from __future__ import annotations

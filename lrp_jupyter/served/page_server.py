@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import hmac
 import logging
+import re
 import secrets
 import ssl
 import threading
@@ -25,7 +26,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-from lrp_jupyter.errors import FileError
+from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.files import shown
 from lrp_jupyter.served import page_files
 from lrp_jupyter.served.allowance import Allowance
@@ -48,14 +49,23 @@ class PageServer:
     Raises
     ------
     LRPError
-        The address is taken, or not one of this computer; or the certificate cannot be used.
+        The address is taken, or not one of this computer; the certificate cannot be used; or the `token`,
+        which is not empty if its user has chosen it, can be guessed.
     """
 
-    def __init__(self, program: ServedProgram, at: str, certificate: str = "", key: str = "") -> None:
+    def __init__(
+        self, program: ServedProgram, at: str, certificate: str = "", key: str = "", token: str = ""
+    ) -> None:
         self.program = program
         self._doorway = Doorway.read(at)
         self._tls = _context(certificate, key) if certificate else None
-        self._token = secrets.token_urlsafe(32)
+        if token and not re.fullmatch(r"[\w-]{32,200}", token, re.ASCII):
+            raise LRPError(
+                "`LRP_TOKEN` is all that protects the page: it needs 32 letters and digits or more, as"
+                " `openssl rand -hex 32` makes them."
+            )
+        self._token = token or secrets.token_urlsafe(32)
+        self._shown_token = "$LRP_TOKEN" if token else self._token
         self._sockets = self._doorway.listen()
         self._names = self._doorway.names
         self._owners: dict[str, PageVisit] = {}
@@ -66,10 +76,10 @@ class PageServer:
 
     @property
     def link(self) -> str:
-        """The address of the page, with the token: for the eyes of those who may change the program."""
+        """The address of the page, with its token, unless its user knows that already."""
         scheme = "http" if self._tls is None else "https"
         port = self._sockets[0].getsockname()[1]
-        return f"{scheme}://{self._doorway.name}:{port}/#token={self._token}"
+        return f"{scheme}://{self._doorway.name}:{port}/#token={self._shown_token}"
 
     @property
     def is_open(self) -> bool:

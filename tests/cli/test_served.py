@@ -411,6 +411,23 @@ def test_an_encrypted_page(serve, tmp_path):
         assert json.loads(page.recv(120))["name"] == "my"
 
 
+def test_a_token_of_ones_own_is_neither_printed_nor_known_to_the_program_and_outlives_a_run(
+    serve, monkeypatch
+):
+    own = "0123456789abcdef" * 2
+    monkeypatch.setenv("LRP_TOKEN", own)
+    text = COUNT.replace("[0]", "[__import__('os').environ.get('LRP_TOKEN', 'hidden')]").replace("n + 1", "n")
+    for _ in range(2):
+        run = serve(text=text)
+        assert (run.token, run.process.poll()) == ("$LRP_TOKEN", None)
+        run.token = own
+        with run.visitor() as page:
+            page.get("frame", lambda frame: frame.get("variables", {}).get("n", [""])[0] == "'hidden'")
+        run.process.terminate()
+        run.process.wait()
+        assert own not in run.output.read_text()
+
+
 @pytest.mark.parametrize("at", ["0.0.0.0:0", "[::]:0"])
 def test_a_page_for_others_that_is_not_encrypted_says_so(serve, at):
     run = serve(at=at)
@@ -446,6 +463,13 @@ def test_what_cannot_be_served_is_said_before_anything_moves(lrp, program, optio
     result = lrp("run", program(COUNT), "--bridge", "none", *options)
     assert result.exit_code == 2
     assert words in re.sub(r"[│\s]+", " ", result.stderr)
+
+
+def test_a_token_that_can_be_guessed_protects_nothing(lrp, program, monkeypatch):
+    monkeypatch.setenv("LRP_TOKEN", "robot")
+    result = lrp("run", program(COUNT), "--bridge", "none", "--serve", "0")
+    assert result.exit_code == 2
+    assert "`LRP_TOKEN` is all that protects the page" in result.stderr
 
 
 def test_a_port_that_is_taken_is_named(lrp, program):

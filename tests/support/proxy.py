@@ -1,4 +1,4 @@
-"""A network between two programs of this computer that can be cut: nothing comes through, and nobody is told."""
+"""A network between two programs of this computer that can be cut: then nothing comes through."""
 
 from __future__ import annotations
 

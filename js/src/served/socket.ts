@@ -19,7 +19,7 @@ interface Told {
   here(about: About): void;
   /** The connection is lost, and tried again. */
   away(): void;
-  /** It is over; `code` says why. */
+  /** This page is refused, or the run has ended; `code` says which. */
   over(code: number): void;
   /** Something that was done here has not reached the run. */
   missed(): void;
@@ -29,8 +29,10 @@ const SILENT_AFTER = 8000; // ms; the run says something every second
 const LOOK_EVERY = 1000;
 const FIRST_WAIT = 500;
 const LONGEST_WAIT = 8000;
-/** Codes of a close that no other try would change. */
-const IS_FINAL = (code: number) => code === 1009 || (code >= 4400 && code < 4500);
+/** The run has ended; another one may begin, with the token of this page. */
+const ENDED = 4410;
+/** Whether no other try would change why it was closed. */
+const isFinal = (code: number) => code === 1009 || (code >= 4400 && code < 4500 && code !== ENDED);
 const LOST =
   "The connection was lost before this was answered. Look whether it has happened, and do it again if not.";
 
@@ -39,6 +41,7 @@ export class RunSocket {
   private socket: WebSocket | null = null;
   private isOpen = false;
   private isOver = false;
+  private hasEnded = false;
   private heard = 0;
   private wait = FIRST_WAIT;
   private buffers: ArrayBuffer[] = [];
@@ -81,6 +84,7 @@ export class RunSocket {
     const buffers = this.buffers.splice(0);
     if (!this.isOpen) {
       this.isOpen = true;
+      this.hasEnded = false;
       this.wait = FIRST_WAIT;
       this.told.here(JSON.parse(data));
       return;
@@ -107,12 +111,11 @@ export class RunSocket {
     this.buffers = [];
     this.lost = [...this.lost, ...this.asked];
     this.asked.clear();
-    this.isOver = IS_FINAL(code);
-    if (this.isOver) {
-      this.told.over(code);
-      return;
-    }
-    this.told.away();
+    this.isOver = isFinal(code);
+    this.hasEnded ||= code === ENDED;
+    if (this.isOver || code === ENDED) this.told.over(code);
+    else if (!this.hasEnded) this.told.away();
+    if (this.isOver) return;
     this.retry = setTimeout(() => this.open(), this.wait * (0.75 + Math.random() / 2)); // not all pages at once
     this.wait = Math.min(this.wait * 2, LONGEST_WAIT);
   }
