@@ -35,6 +35,7 @@ QUIET = {
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false"},
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
 }
+EXTENSION = Path(__file__).parents[2] / "js/labextension"
 CONFIG = "from lrp_jupyter.cli.lab_command import send_at_once; send_at_once()"  # as `lrp lab` does
 
 
@@ -100,6 +101,9 @@ def private(home):
     env.pop("JUPYTER_PATH", None)
     for name in DIRECTORIES:
         Path(env[name]).mkdir()
+    extensions = Path(env["JUPYTER_DATA_DIR"], "labextensions")
+    extensions.mkdir()
+    (extensions / "lrp-jupyter").symlink_to(EXTENSION)  # of this checkout, whatever is installed
     return env
 
 

@@ -21,7 +21,10 @@ import { FORMS } from "./forms";
 
 const PATIENCE = 250; // ms to wait for the kernel with what is known here
 
-export function completion(lab: Lab): Extension {
+/** What is known besides the text: of a lab, its state, and what its kernel answers. */
+export type Known = Pick<Lab, "ask"> & { readonly store: Pick<Lab["store"], "state"> };
+
+export function completion(lab: Known): Extension {
   return autocompletion({
     override: [(context) => complete(context, lab)],
     icons: false,
@@ -30,7 +33,7 @@ export function completion(lab: Lab): Extension {
   });
 }
 
-export async function complete(context: CompletionContext, lab: Lab): Promise<CompletionResult | null> {
+export async function complete(context: CompletionContext, lab: Known): Promise<CompletionResult | null> {
   const word = context.matchBefore(/[\w\u0080-\uffff]+$/);
   const from = word?.from ?? context.pos;
   const place = contextAt(context.state, context.pos);
@@ -55,7 +58,11 @@ export function offered(
   return { from, options, validFor: (word) => /^[\w\u0080-\uffff]*$/.test(word) && open(word) };
 }
 
-function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeof contextAt>): Completion[] {
+function ofProgram(
+  context: CompletionContext,
+  lab: Known,
+  place: ReturnType<typeof contextAt>,
+): Completion[] {
   switch (place.wanted) {
     case "keyword":
       return keywords(place.form);
@@ -95,7 +102,7 @@ function keywords(form: string, only?: string): Completion[] {
     });
 }
 
-function events(lab: Lab, context: CompletionContext, scope: string): Completion[] {
+function events(lab: Known, context: CompletionContext, scope: string): Completion[] {
   const run = besideGraph(lab.store.state);
   return outlineOf(context.state)
     .inScope("event", scope)
@@ -117,7 +124,7 @@ function machines(context: CompletionContext, scope: string): Completion[] {
   }));
 }
 
-function states(lab: Lab, context: CompletionContext, machine: string): Completion[] {
+function states(lab: Known, context: CompletionContext, machine: string): Completion[] {
   const { lit } = besideGraph(lab.store.state);
   return outlineOf(context.state)
     .statesOf(machine)
@@ -141,7 +148,7 @@ function variablesOf({ state }: CompletionContext, machine: string) {
     .filter(({ path }) => parentOf(path) === machine);
 }
 
-function variables(lab: Lab, context: CompletionContext, scope: string): Completion[] {
+function variables(lab: Known, context: CompletionContext, scope: string): Completion[] {
   return outlineOf(context.state)
     .inScope("variable", scope)
     .map(({ name, path }) => ({
@@ -152,7 +159,11 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
     }));
 }
 
-async function python(context: CompletionContext, lab: Lab, scope: string): Promise<CompletionResult | null> {
+async function python(
+  context: CompletionContext,
+  lab: Known,
+  scope: string,
+): Promise<CompletionResult | null> {
   const compared = COMPARED.exec(context.state.sliceDoc(Math.max(0, context.pos - NEAR), context.pos));
   if (compared) {
     const [, machine, begun] = compared as unknown as [string, string, string];
@@ -188,7 +199,7 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
 }
 
 /** Events and machines, which blocks read; a variable of the same name hides them. */
-function computed(lab: Lab, context: CompletionContext, scope: string): Completion[] {
+function computed(lab: Known, context: CompletionContext, scope: string): Completion[] {
   const hidden = new Set(
     outlineOf(context.state)
       .inScope("variable", scope)
@@ -200,7 +211,7 @@ function computed(lab: Lab, context: CompletionContext, scope: string): Completi
 }
 
 /** What follows the dot of a machine: its state and its variables. */
-function results(lab: Lab, context: CompletionContext, scope: string, prefix: string): Completion[] {
+function results(lab: Known, context: CompletionContext, scope: string, prefix: string): Completion[] {
   const [name, ...rest] = prefix.split(".");
   const machine = rest.length === 1 && machineIn(context, scope, name!);
   if (!machine) return [];
@@ -224,7 +235,7 @@ function results(lab: Lab, context: CompletionContext, scope: string, prefix: st
 const COMPARED =
   /([\w\u0080-\uffff]+)\.state\s*(?:[!=]=|(?:not\s+)?in\s*[([{][^)\]}]*)\s*["']([\w\u0080-\uffff]*)$/;
 
-function statesOf(lab: Lab, context: CompletionContext, scope: string, name: string): Completion[] {
+function statesOf(lab: Known, context: CompletionContext, scope: string, name: string): Completion[] {
   const machine = machineIn(context, scope, name);
   return machine ? states(lab, context, machine) : [];
 }
@@ -269,7 +280,7 @@ function lastOf(text: string, pattern: string): string | undefined {
 const ROBOT: Completion = { label: "robot", type: "variable", detail: "the robot", boost: 1 };
 
 /** Members of `robot` at the next dot, with the values they have now. */
-function members(lab: Lab, prefix: string): Completion[] {
+function members(lab: Known, prefix: string): Completion[] {
   if (!prefix.startsWith("robot.")) return [];
   const { bridge, members: values } = lab.store.state;
   const path = prefix.slice("robot.".length);

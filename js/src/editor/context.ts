@@ -37,7 +37,7 @@ export function contextAt(state: EditorState, offset: number): Context {
   const context: Context = { wanted: "nothing", scope, machine: scope, form: "Program" };
   let node: SyntaxNode | null = treeOf(state).resolveInner(offset, -1);
   if (inside(node, "Block", offset)) return { ...context, wanted: "python", form: "Block" };
-  if (/Comment|String/.test(node.name)) return context;
+  if (/Comment|Magic|String/.test(node.name)) return context;
   while (node && !FORM.test(node.name)) node = node.parent;
   if (!node) return context;
   const word = /[\w\u0080-\uffff]*$/.exec(state.sliceDoc(Math.max(node.from, offset - 100), offset))![0];

@@ -27,6 +27,7 @@ const configured = parser.configure({
     styleTags({
       Keyword: tags.keyword,
       Comment: tags.lineComment,
+      Magic: tags.meta,
       Number: tags.number,
       Arrow: tags.controlOperator,
       "Assign Minus Dot": tags.operator,

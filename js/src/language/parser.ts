@@ -3,19 +3,19 @@ import {LRParser} from "@lezer/lr"
 import {word, hold, python} from "./tokens"
 export const parser = LRParser.deserialize({
   version: 14,
-  states: "*zQYQWOOOwQYO'#DsO!rQ^O'#CcOOQQ'#Ds'#DsO#pQXO'#DROOQO'#Du'#DuO$yQWO'#DZOOQO'#Dt'#DtOOQO'#Dr'#DrOOQO'#D['#D[QYQWOOO%[QWO,58{OOQQ,58},58}O%aQYO,58}OOQO'#Ci'#CiOOQO'#Cl'#ClOOQO'#Cn'#CnOOQO'#Cp'#CpOOQO'#Cr'#CrOOQO'#Ct'#CtOOQO'#Cu'#CuOOQO'#Cv'#CvOOQO'#Cw'#CwOOQO'#Cx'#CxOOQO'#Cy'#CyOOQO'#Cz'#CzOOQO'#C|'#C|OOQO'#C}'#C}OOQO'#DP'#DPOOQO'#DQ'#DQOOQO,59m,59mO&[QWO,59mO&cQWO,59SO&cQWO,59VO&cQWO,59XO&cQWO,59ZO'TQWO,59]O'[QWO,59_O'cQWO,59gO'jQWO,59gOOQO'#D]'#D]O'qQWO,59uOOQO,59u,59uOOQO-E7Y-E7YOOQQ1G.g1G.gOOQQ1G.i1G.iOOQO1G/X1G/XOOQO'#Cj'#CjO(SQWO'#DvO(ZQWO1G.nO(`QWO1G.qO(eQWO1G.sO(jQWO1G.uO(oQWO1G.wOOQO1G.w1G.wO(vQWO1G.yOOQO1G.y1G.yO(}QYO'#DwO)QQWO'#DwO)XQWO1G/RO)^QWO1G/ROOQO1G/R1G/ROOQO-E7Z-E7ZOOQO1G/a1G/aO)eQWO,5:bOOQO7+$Y7+$YOOQO7+$]7+$]OOQO7+$_7+$_OOQO7+$a7+$aOOQO7+$c7+$cOOQO7+$e7+$eOOQO'#DO'#DOO)lQWO,5:cO)lQWO,5:cOOQO7+$m7+$mO)sQWO1G/}",
-  stateData: "*O~O!eOSQOS~OSPOWQOZSOvVOwVOxVOyVOzVO|UO~OUZOS!gXW!gXZ!gXv!gXw!gXx!gXy!gXz!gX|!gX!Q!gXY!gX!c!gX~OP]OX[OSVXWVXZVXvVXwVXxVXyVXzVX|VX!QVXYVX!cVX~OYnO!R^O!S_O!T`O!UaO!VbO!WcO!XdO!YeO!ZjO![lO!]mO!^kO!_fO!`gO!ahO!biO~PYOSxOvxOyxOzxO{zO~OS|O~OX}OSVaWVaZVavVawVaxVayVazVa|Va!QVaYVa!cVa~OY!OO~PYOS!POWQOZSOvVOwVOxVOyVOzVO|UOY!jP~OY!WO~PYOY!YO~PYOY!kP~PYOY!_O~PYOSxOvxOyxOzxO{!aO~OY!jX~PYOY!cO~OY!dO~OY!eO~OY!fO~OY!gO~PYOY!hO~PYO!c!iOY!kX~PYOY!lO~OY!lO~PYOY!ja~PYOY!ka~PYOY!ki~PYOwvz~",
-  goto: "'}!lPPPPP!mP#RPPPP#m$V#g#m$Y#m$]#m$`#m$c#m$f$f$f$f$f$f$f#m$i$i$l$o$o#mPPPPPPP$r%[&PPPPPPPPPPPPPPPPPPPPP&V&j'Q$r'n'zuROSYotuvw!Q!V!X!Z![!^!b!j!k!mtROSYotuvw!Q!V!X!Z![!^!b!j!k!mX!Qpqrs}TOSYopqrstuvw!Q!V!X!Z![!^!b!j!k!mRpSRqSRrSRsSRtSRuSRvSR!k!ZRwS}VOSYopqrstuvw!Q!V!X!Z![!^!b!j!k!mQYOQoS`{Yo!V!X!^!b!j!mQ!VtQ!XuQ!^wQ!b!QS!j!Z![R!m!kQyUR!`ysXOSYotuw!Q!V!X!Z![!^!b!j!k!mrWOSYotuw!Q!V!X!Z![!^!b!j!k!mR!ZvrWOSYotuw!Q!V!X!Z![!^!b!j!k!mW!QpqrsR![vQ!RpQ!SqQ!TrR!UsR!]v",
-  nodeNames: "⚠ Python Comment Program Name InState Dot Block [ ] ) ( Variable Keyword Definition Machine Keyword State Keyword Event Keyword Spawn Keyword Action Keyword Keyword Keyword Keyword Keyword Keyword Keyword Transition Keyword Keyword Keyword Keyword Keyword Unknown Number Arrow Assign Star Minus } { Group",
-  maxTerm: 73,
+  states: "+QQwQWOOO!OQYO'#DtO!yQ^O'#CdOOQQ'#Dt'#DtO#wQXO'#DSOOQO'#Dv'#DvO%QQWO'#D[OOQO'#Du'#DuOOQO'#Ds'#DsOOQO'#D]'#D]QYQWOOQYQWOOO%cQWO,58|OOQQ,59O,59OO%hQYO,59OOOQO'#Cj'#CjOOQO'#Cm'#CmOOQO'#Co'#CoOOQO'#Cq'#CqOOQO'#Cs'#CsOOQO'#Cu'#CuOOQO'#Cv'#CvOOQO'#Cw'#CwOOQO'#Cx'#CxOOQO'#Cy'#CyOOQO'#Cz'#CzOOQO'#C{'#C{OOQO'#C}'#C}OOQO'#DO'#DOOOQO'#DQ'#DQOOQO'#DR'#DROOQO,59n,59nO&cQWO,59nO&jQWO,59TO&jQWO,59WO&jQWO,59YO&jQWO,59[O'[QWO,59^O'cQWO,59`O'jQWO,59hO'qQWO,59hOOQO'#D^'#D^O'xQWO,59vOOQO,59v,59vOOQO-E7Z-E7ZOOQQ1G.h1G.hOOQQ1G.j1G.jOOQO1G/Y1G/YOOQO'#Ck'#CkO(ZQWO'#DwO(bQWO1G.oO(gQWO1G.rO(lQWO1G.tO(qQWO1G.vO(vQWO1G.xOOQO1G.x1G.xO(}QWO1G.zOOQO1G.z1G.zO)UQYO'#DxO)XQWO'#DxO)`QWO1G/SO)eQWO1G/SOOQO1G/S1G/SOOQO-E7[-E7[OOQO1G/b1G/bO)lQWO,5:cOOQO7+$Z7+$ZOOQO7+$^7+$^OOQO7+$`7+$`OOQO7+$b7+$bOOQO7+$d7+$dOOQO7+$f7+$fOOQO'#DP'#DPO)sQWO,5:dO)sQWO,5:dOOQO7+$n7+$nO)zQWO1G0O",
+  stateData: "*V~O!fOSQOS~OTPOXQO[SOwVOxVOyVOzVO{VO}UO~OSZO~PYOV[OT!hXX!hX[!hXw!hXx!hXy!hXz!hX{!hX}!hX!R!hXZ!hX!d!hX~OP^OY]OTWXXWX[WXwWXxWXyWXzWX{WX}WX!RWXZWX!dWX~OZoO!S_O!T`O!UaO!VbO!WcO!XdO!YeO!ZfO![kO!]mO!^nO!_lO!`gO!ahO!biO!cjO~PYOTyOwyOzyO{yO|{O~OT}O~OY!OOTWaXWa[WawWaxWayWazWa{Wa}Wa!RWaZWa!dWa~OZ!PO~PYOT!QOXQO[SOwVOxVOyVOzVO{VO}UOZ!kP~OZ!XO~PYOZ!ZO~PYOZ!lP~PYOZ!`O~PYOTyOwyOzyO{yO|!bO~OZ!kX~PYOZ!dO~OZ!eO~OZ!fO~OZ!gO~OZ!hO~PYOZ!iO~PYO!d!jOZ!lX~PYOZ!mO~OZ!mO~PYOZ!ka~PYOZ!la~PYOZ!li~PYOxw{~",
+  goto: "(W!mPPPPPP!nP#TPPPP#p$Z#j#p$^#p$a#p$d#p$g#p$j$j$j$j$j$j$j#p$m$m$p$s$s#pPPPPPPP$v%a&VPPPPPPPPPPPPPPPPPPPP&]&q'Y$v'w(TwROSYZpuvwx!R!W!Y![!]!_!c!k!l!nvROSYZpuvwx!R!W!Y![!]!_!c!k!l!nX!Rqrst!PTOSYZpqrstuvwx!R!W!Y![!]!_!c!k!l!nRqSRrSRsSRtSRuSRvSRwSR!l![RxS!PVOSYZpqrstuvwx!R!W!Y![!]!_!c!k!l!nSYOZQpS`|Yp!W!Y!_!c!k!nQ!WuQ!YvQ!_xQ!c!RS!k![!]R!n!lQzUR!azuXOSYZpuvx!R!W!Y![!]!_!c!k!l!ntWOSYZpuvx!R!W!Y![!]!_!c!k!l!nR![wtWOSYZpuvx!R!W!Y![!]!_!c!k!l!nW!RqrstR!]wQ!SqQ!TrQ!UsR!VtR!^w",
+  nodeNames: "⚠ Python Comment Program Magic Name InState Dot Block [ ] ) ( Variable Keyword Definition Machine Keyword State Keyword Event Keyword Spawn Keyword Action Keyword Keyword Keyword Keyword Keyword Keyword Keyword Transition Keyword Keyword Keyword Keyword Keyword Unknown Number Arrow Assign Star Minus } { Group",
+  maxTerm: 74,
   nodeProps: [
-    ["openedBy", 10,"(",43,"{"],
-    ["closedBy", 11,")",44,"}"]
+    ["openedBy", 11,"(",44,"{"],
+    ["closedBy", 12,")",45,"}"]
   ],
   skippedNodes: [0,2],
   repeatNodeCount: 2,
-  tokenData: "&S~RiXY!pYZ!p[]!p]^!ppq!pst#Xxy#syz#xz{#}}!O$S!O!P$l!Q![$_![!]$q!]!^#X!c!}$|!}#O%n#P#Q%s#R#S$|#T#o$|#o#p%x#q#r%}$f$g!p$g;'S$|;'S;=`%h<%lO$|~!uU!e~XY!pYZ!p[]!p]^!ppq!p$f$g!p~#^TQ~OY#XZ]#X^;'S#X;'S;=`#m<%lO#X~#pP;=`<%l#X~#xOZ~~#}OY~~$SOy~~$XQz~!Q![$_!`!a$g~$dPv~!Q![$_~$lOw~~$qOU~~$tP!_!`$w~$|Ox~~%RVS~!Q![$|!c!}$|#R#S$|#T#o$|$g;'S$|;'S;=`%h<%lO$|~%kP;=`<%l$|~%sOW~~%xOX~~%}O|~~&SO{~",
+  tokenData: "'Z~RjXY!sYZ!s[]!s]^!spq!sst#[uv#vxy$zyz%Pz{%U}!O%Z!O!P%s!Q![%f![!]%x!]!^#[!c!}&T!}#O&u#P#Q&z#R#S&T#T#o&T#o#p'P#q#r'U$f$g!s$g;'S&T;'S;=`&o<%lO&T~!xU!f~XY!sYZ!s[]!s]^!spq!s$f$g!s~#aTQ~OY#[Z]#[^;'S#[;'S;=`#p<%lO#[~#sP;=`<%l#[~#yPuv#|~$PP#`#a$S~$VP#f#g$Y~$]P#d#e$`~$eTS~OY$`Z]$`^;'S$`;'S;=`$t<%lO$`~$wP;=`<%l$`~%PO[~~%UOZ~~%ZOz~~%`Q{~!Q![%f!`!a%n~%kPw~!Q![%f~%sOx~~%xOV~~%{P!_!`&O~&TOy~~&YVT~!Q![&T!c!}&T#R#S&T#T#o&T$g;'S&T;'S;=`&o<%lO&T~&rP;=`<%l&T~&zOX~~'POY~~'UO}~~'ZO|~",
   tokenizers: [word, hold, python, 0],
   topRules: {"Program":[0,3]},
-  tokenPrec: 410
+  tokenPrec: 417
 })
