@@ -1,5 +1,6 @@
 """Python's parser in several threads."""
 
+import ast
 import gc
 import sys
 import threading
@@ -7,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from lrp_jupyter.language.python.block_suite import parse_suite
+from lrp_jupyter.language.python.block_suite import children, parse_suite
 from lrp_jupyter.language.python.python_parser import parse_python
 
 BLOCK = "\n".join("print([i * j for i in range(3) for j in range(i) if j])" for _ in range(5))
@@ -55,3 +56,17 @@ def test_two_threads_can_parse_at_once(parse: object) -> None:
 def test_an_error_of_the_parser_is_not_asked_again() -> None:
     with pytest.raises(SyntaxError):
         parse_python("1 +")
+
+
+def test_what_others_note_in_the_nodes_of_all_trees_is_no_part_of_a_tree() -> None:
+    """IPython's tracebacks note a parent in every node of a file, and one `Load` is in all trees."""
+    shared = ast.parse("x").body[0].value.ctx  # type: ignore[attr-defined]
+    assert shared is ast.parse("y").body[0].value.ctx  # type: ignore[attr-defined]
+    shared.parent = ast.parse("x = 1")
+    try:
+        nodes: list[ast.AST] = [*parse_suite("x + 1")[0].body]
+        while nodes:
+            assert not any(isinstance(node, (ast.Module, ast.Assign)) for node in nodes)
+            nodes = children(nodes)
+    finally:
+        del shared.parent

@@ -128,6 +128,8 @@ def children(nodes: Iterable[ast.AST]) -> list[ast.AST]:
     """Return the direct children of nodes, several times as fast as :func:`ast.iter_child_nodes`."""
     found = []
     for node in nodes:
+        if not node._fields:
+            continue  # one object, such as `Load`, for all trees: whoever prints a traceback notes a parent in it
         for value in node.__dict__.values():
             if value.__class__ is list:
                 found += [item for item in value if isinstance(item, ast.AST)]
