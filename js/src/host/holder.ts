@@ -78,7 +78,7 @@ export class Holder {
 }
 
 /** The range that differs between two texts, from their starts and from their ends. */
-function difference(old: string, text: string): { start: number; end: number; inserted: string } {
+export function difference(old: string, text: string): { start: number; end: number; inserted: string } {
   const most = Math.min(old.length, text.length);
   let start = 0;
   while (start < most && old[start] === text[start]) start++;

@@ -1,8 +1,10 @@
-/** The extension of JupyterLab and Jupyter Notebook: a federated module, which the page shares its packages with. */
+/** The plugins of JupyterLab and Jupyter Notebook: a federated module, with which the page shares its packages. */
 
-import type { JupyterFrontEnd, JupyterFrontEndPlugin } from "@jupyterlab/application";
+import type { JupyterFrontEndPlugin } from "@jupyterlab/application";
 import { IEditorExtensionRegistry, IEditorLanguageRegistry } from "@jupyterlab/codemirror";
 import { followText } from "./cells";
+import { commands } from "./commands";
+import { files } from "./files";
 import { MIME, support } from "./language";
 import "./style.css";
 
@@ -11,18 +13,9 @@ const language: JupyterFrontEndPlugin<void> = {
   description: "The language of %%lrp cells and of .lrp files.",
   autoStart: true,
   requires: [IEditorLanguageRegistry, IEditorExtensionRegistry],
-  activate(
-    _app: JupyterFrontEnd,
-    languages: IEditorLanguageRegistry,
-    extensions: IEditorExtensionRegistry,
-  ): void {
-    languages.addLanguage({
-      name: "lrp",
-      displayName: "LRP",
-      mime: MIME,
-      extensions: ["lrp"],
-      support: support(),
-    });
+  activate(_app, languages: IEditorLanguageRegistry, extensions: IEditorExtensionRegistry) {
+    const [name, mime] = ["lrp", MIME];
+    languages.addLanguage({ name, displayName: "LRP", mime, extensions: ["lrp"], support: support() });
     extensions.addExtension({
       name: "lrp-jupyter:cell",
       factory({ inline, model }) {
@@ -33,4 +26,4 @@ const language: JupyterFrontEndPlugin<void> = {
   },
 };
 
-export default [language];
+export default [language, files, commands];

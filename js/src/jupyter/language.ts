@@ -2,7 +2,7 @@
 
 import { acceptCompletion, startCompletion } from "@codemirror/autocomplete";
 import { indentLess, indentMore } from "@codemirror/commands";
-import { codeFolding, foldKeymap, LanguageSupport } from "@codemirror/language";
+import { codeFolding, foldKeymap, indentUnit, LanguageSupport } from "@codemirror/language";
 import { Prec } from "@codemirror/state";
 import { type Command, EditorView, keymap, tooltips } from "@codemirror/view";
 import { completion, type Known } from "../editor/complete";
@@ -39,6 +39,7 @@ export function support(): LanguageSupport {
     completion(KNOWN),
     tooltips({ parent: document.body }), // a cell would cut them off
     codeFolding(),
+    Prec.high(indentUnit.of("  ")),
     EditorView.editorAttributes.of({ class: "lrp-text" }),
     Prec.high(
       keymap.of([

@@ -9,6 +9,7 @@ it.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from threading import Lock
 
 from lrp_jupyter.errors import FileError
@@ -34,6 +35,7 @@ class Saver:
         self.follows = (
             False  # whether what another program writes to the file is an edit, once told to `look`
         )
+        self.elsewhere: Callable[[], object] = lambda: None  # keeps every text, too
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
         self._looked = self._again = float("-inf")
@@ -101,6 +103,7 @@ class Saver:
     def save(self, at_once: bool = False) -> None:
         """Keep the texts in their files; a failure is reported once, and tried again later, or `at_once`."""
         with self._lock:
+            self.elsewhere()
             if self.kept is None or (self.texts.clock() < self._again and not at_once):
                 return
             try:

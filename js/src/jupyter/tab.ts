@@ -1,0 +1,117 @@
+/** A lab in a tab of its own, with a kernel of its own, which ends with the tab. */
+
+import { SessionContext } from "@jupyterlab/apputils";
+import { PathExt } from "@jupyterlab/coreutils";
+import type { DocumentRegistry } from "@jupyterlab/docregistry";
+import type { Kernel, KernelMessage, KernelSpec, ServiceManager } from "@jupyterlab/services";
+import { Widget } from "@lumino/widgets";
+import { h, prose } from "../ui/dom";
+import { drawn, LabModel, onOpened } from "./widget";
+
+const MODULE = "lrp_jupyter.widgets.documents";
+const LACKING =
+  "The kernel of this tab has no `lrp_jupyter`. Install it where the kernel runs: `pip install lrp-jupyter`.";
+
+export abstract class LabTab extends Widget {
+  private readonly session: SessionContext;
+  private readonly kernelspecs: KernelSpec.IManager;
+  private starting: Promise<void> | null = null;
+  private kernel: Kernel.IKernelConnection | null = null;
+  private stop: () => void = () => {};
+
+  constructor(
+    protected readonly context: DocumentRegistry.Context,
+    { sessions, kernels, kernelspecs }: ServiceManager.IManager,
+  ) {
+    super();
+    this.addClass("lrp-document");
+    this.kernelspecs = kernelspecs;
+    this.session = new SessionContext({
+      sessionManager: sessions,
+      specsManager: kernelspecs,
+      kernelManager: kernels,
+      path: `${context.localPath}.lab`, // an editor of the file would take a session of its path for its own
+      name: PathExt.basename(context.localPath),
+      type: "lrp",
+    });
+  }
+
+  protected override onAfterAttach(): void {
+    this.starting ??= this.start(); // Notebook makes a widget that another page then shows
+  }
+
+  /** Open the lab in the kernel. */
+  protected abstract open(): Promise<void>;
+
+  /** Handle a message of the kernel that is not for the lab. */
+  protected received(_content: Record<string, unknown>): void {}
+
+  /** Call a function of Python, with texts and truths, and say what is wrong; returns the name of the error. */
+  protected async call(name: string, ...values: (string | boolean)[]): Promise<string> {
+    const written = values.map((value) =>
+      value === true ? "True" : value === false ? "False" : JSON.stringify(value),
+    );
+    const code = `import ${MODULE} as _lrp\n_lrp.${name}(${written.join(", ")})`;
+    const reply = await this.kernel?.requestExecute({ code, store_history: false }).done;
+    if (reply?.content.status !== "error") return "";
+    const { ename, evalue } = reply.content as KernelMessage.IReplyErrorContent;
+    const sentence = evalue.endsWith(".") ? evalue : `${ename}: ${evalue}`; // else it is not one of ours
+    this.say(ename === "ModuleNotFoundError" ? LACKING : sentence);
+    return ename;
+  }
+
+  /** Show a sentence in place of the lab. */
+  protected say(sentence: string, ...more: HTMLElement[]): void {
+    this.clear();
+    this.node.replaceChildren(h("p", { class: "lrp-document-says" }, ...prose(sentence)), ...more);
+  }
+
+  private async start(): Promise<void> {
+    this.say("Starting a kernel …");
+    await Promise.all([this.context.ready, this.kernelspecs.ready]);
+    if (this.isDisposed) return;
+    const { default: first = "", kernelspecs = {} } = this.kernelspecs.specs ?? {};
+    const names = [first, ...Object.keys(kernelspecs)];
+    const name = names.find((each) => kernelspecs[each]?.language === "python");
+    if (!name)
+      return this.say("This Jupyter has no Python kernel, which a lab needs: `pip install ipykernel`.");
+    this.session.kernelPreference = { name, shutdownOnDispose: true };
+    this.session.statusChanged.connect((_, status) => {
+      if (status.endsWith("restarting")) this.kernel = null;
+      if (status === "idle") void this.fill();
+      if (status === "dead") this.say("The kernel ended. Close this tab, and open the file again.");
+    });
+    await this.session.initialize();
+    await this.session.ready;
+    await this.fill();
+  }
+
+  /** Show the lab of a kernel that is new here. */
+  private async fill(): Promise<void> {
+    const kernel = this.session.session?.kernel;
+    if (!kernel || kernel === this.kernel) return;
+    this.kernel = kernel;
+    onOpened(
+      kernel,
+      (comm, state) => void this.draw(new LabModel(comm, state, (content) => this.received(content))),
+    );
+    await this.open();
+  }
+
+  private async draw(model: LabModel): Promise<void> {
+    this.clear();
+    this.stop = await drawn(model, this.node);
+  }
+
+  private clear(): void {
+    this.stop();
+    this.stop = () => {};
+  }
+
+  override dispose(): void {
+    if (this.isDisposed) return;
+    this.clear();
+    this.session.dispose();
+    super.dispose();
+  }
+}
