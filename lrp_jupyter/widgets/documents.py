@@ -1,8 +1,8 @@
-"""Files in tabs of JupyterLab, each with a kernel of its own, which the page calls: a program, or a recording.
+"""Files in tabs of JupyterLab, each with its own kernel, which the page calls: a program, or a recording.
 
-The page has the text of a program's file, and saves it. That text and the lab's are reconciled as those of a cell
-and a lab are: what is typed in the lab is in the document of the page at once, and what an editor changes there
-is in the lab.
+The page has the text of a program's file, and saves it. That text and the lab's are reconciled as those of a
+cell and a lab are: what is typed in the lab is in the document of the page at once, and what an editor
+changes there is in the lab.
 """
 
 from __future__ import annotations

@@ -129,7 +129,7 @@ def children(nodes: Iterable[ast.AST]) -> list[ast.AST]:
     found = []
     for node in nodes:
         if not node._fields:
-            continue  # one object, such as `Load`, for all trees: whoever prints a traceback notes a parent in it
+            continue  # one object, such as `Load`, for all trees: IPython's tracebacks note a parent in it
         for value in node.__dict__.values():
             if value.__class__ is list:
                 found += [item for item in value if isinstance(item, ast.AST)]
