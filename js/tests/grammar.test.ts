@@ -24,6 +24,12 @@ describe("the grammar", () => {
       }),
     );
   });
+  it("begins with the magic of a cell, which is an error elsewhere", () => {
+    const rest = "Comment Machine(Keyword Definition(Name))";
+    for (const line of ["%%lrp", "%%lrp m --world 'it (is"])
+      expect(tree(`${line}\n# it's\n(machine m)`)).toBe(`Magic ${rest}`);
+    expect(tree("(machine m)\n%%lrp m")).toContain("⚠(Magic)");
+  });
   it("lets a state be called by a keyword", () => {
     expect(tree("(state state)")).toBe("State(Keyword Definition(Name))");
   });

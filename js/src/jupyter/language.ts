@@ -10,15 +10,17 @@ import { contextAt } from "../editor/context";
 import { newLine } from "../language/indent";
 import { lrp } from "../language/lrp";
 import { initialState } from "../session/state";
+import members from "./members.json";
 
 export const MIME = "text/x-lrp";
 
 /** Whether a cell begins with the magic, and so is a program of this language. */
 export const isLrp = (cell: string) => /^%%lrp\b/.test(cell);
 
-/** Of a text without a lab. */
-const KNOWN: Known = {
-  store: { state: initialState() },
+/** Of a text without a lab: the robot is the simulated one. */
+const { bridge, ...state } = initialState();
+export const KNOWN: Known = {
+  store: { state: { ...state, bridge: { ...bridge, members } } },
   ask: async () => ({ type: "reply", view: "", id: 0, error: null }),
 };
 

@@ -433,7 +433,7 @@ def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
         "hardware": bridge.hardware,
         "armed": bridge.safety.armed,
         "failsafe": bridge.failsafe,
-        "members": [_member_view(member) for member in members],
+        "members": [member_view(member) for member in members],
     }
 
 
@@ -464,7 +464,8 @@ def listed_members(bridge: Bridge) -> Iterator[Member]:
         yield from inside(member, _DEEPEST)
 
 
-def _member_view(member: Member) -> MemberView:
+def member_view(member: Member) -> MemberView:
+    """Return what views know of a member of `robot`, besides its value."""
     return {
         "name": member.name,
         "kind": member.kind,
