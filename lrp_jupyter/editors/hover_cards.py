@@ -16,7 +16,7 @@ from lrp_jupyter.language.edits.form_places import WrittenForm
 from lrp_jupyter.language.edits.rename import Symbol
 from lrp_jupyter.language.form_texts import form_texts
 from lrp_jupyter.language.lookup import definition_of
-from lrp_jupyter.language.program import Event, Machine, State, Variable, path_text
+from lrp_jupyter.language.program import Machine, path_text
 
 _LEFT = re.compile(r"[\w.\u0080-\uffff]*\Z")
 _RIGHT = re.compile(r"[\w\u0080-\uffff]*")
@@ -37,9 +37,9 @@ def _about(text: ProgramText, offset: int) -> tuple[list[str], tuple[int, int]]:
     if keyword_span is not None:
         form = form_texts()[text.text[slice(*keyword_span)]]
         return [_code(form.usage) + form.doc], keyword_span
-    begun = _LEFT.search(text.text, max(0, offset - 200), offset)[0]  # type: ignore[index]
-    chain = begun.lstrip(".0123456789") + _RIGHT.match(text.text, offset)[0]  # type: ignore[index]
-    start = offset - len(begun) + len(begun) - len(begun.lstrip(".0123456789"))
+    begun = _LEFT.search(text.text, max(0, offset - 200), offset)[0].lstrip(".0123456789")  # type: ignore[index]
+    chain = begun + _RIGHT.match(text.text, offset)[0]  # type: ignore[index]
+    start = offset - len(begun)
     span = (start, start + len(chain))
     if not chain or context_at(text.text, text.root, text.names, offset).wanted != "python":
         return [], span
@@ -60,7 +60,7 @@ def _keyword_at(form: WrittenForm, text: str, offset: int) -> tuple[int, int] | 
 
 
 def _named(text: ProgramText, symbol: Symbol) -> str:
-    """Return what an element is, as it is written, with the comment above or beside it."""
+    """Return what an element is, as it is written, with the comment above it."""
     kind, path = symbol.element.kind, symbol.element.path
     noun = definition_of(text.sketched, symbol.element)
     where = f" of `{path_text(path[:-1])}`" if len(path) > 1 else ""
@@ -68,13 +68,8 @@ def _named(text: ProgramText, symbol: Symbol) -> str:
     if isinstance(noun, Machine):
         states = ", ".join(f"`{each.name}`" for each in noun.states)
         lines.append(f"States: {states}." if states else "It has no states.")
-    elif isinstance(noun, State):
-        inner = ", ".join(f"`{each.name}`" for each in noun.machines)
-        lines.append(
-            _code(_line(text.text[slice(*noun.span)])) + (f"Machines inside: {inner}." if inner else "")
-        )
-    elif isinstance(noun, (Variable, Event)) or noun is not None:
-        lines.append(_code(_line(text.text[slice(*noun.span)])))
+    elif noun is not None:
+        lines.append(_code(_first_lines(text.text[slice(*noun.span)])))
     lines += _comment(text.text, symbol.definition.start)
     return "\n\n".join(lines)
 
@@ -122,7 +117,7 @@ def _explanations(text: ProgramText, offset: int) -> Iterator[str]:
         yield f"**{code}: {found.title}**\n\n{found.explanation}\n\n{found.remedy}"
 
 
-def _line(written: str) -> str:
+def _first_lines(written: str) -> str:
     """Return the first lines of a form."""
     lines = written.splitlines()
     return "\n".join(lines if len(lines) <= 6 else [*lines[:5], "…"])

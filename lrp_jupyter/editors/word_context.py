@@ -56,10 +56,11 @@ def context_at(text: str, root: WrittenForm, names: Resolution, offset: int) -> 
     context = WordContext("nothing", begin, form, scope, state, scope)
     if is_keyword:
         return context._replace(wanted="keyword")
-    tokens = [item for item in form.items if not isinstance(item, WrittenForm)]
+    tokens = _tokens(form)
     if any(_is_in_block(*token, offset) for token in tokens):
         return context._replace(wanted="python")
-    before = max((token[2] for token in tokens if token[2] <= offset), default=form.start)
+    ends = [item.end if isinstance(item, WrittenForm) else item[2] for item in form.items]
+    before = max((end for end in ends if end <= offset), default=form.start)
     if _COMMENT.search(text, before, offset):
         return context
     if form.keyword in FORMS:

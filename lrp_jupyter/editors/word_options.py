@@ -92,9 +92,8 @@ def _of_program(text: ProgramText, offset: int, place: WordContext) -> Iterator[
 def _keywords(text: ProgramText, offset: int, place: WordContext) -> Iterator[WordOption]:
     """Return the keywords that may stand in a form, with its closing bracket if that is not there yet."""
     known = form_texts()
-    legal = (
-        LEGAL.get(place.form.keyword, frozenset()) if place.form.keyword in KEYWORDS | LEGAL.keys() else known
-    )
+    around = place.form.keyword
+    legal = LEGAL.get(around, ()) if around in KEYWORDS or around == "program" else known
     begun = text.root.around(offset)[-1]
     ending = "" if begun.is_closed or begun is text.root else ")"
     for keyword in known:
@@ -231,6 +230,3 @@ def filled_by(prefix: str, before: str, after: str) -> str | None:
 def _last(pattern: str, text: str) -> str | None:
     found = re.findall(pattern, text)
     return found[-1] if found else None
-
-
-__all__ = ["WordOption", "WordOptions", "complete", "filled_by", "machine_in"]
