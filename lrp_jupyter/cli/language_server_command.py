@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import signal
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
@@ -32,7 +33,8 @@ def serve_editor(bridge: str | None, options: Sequence[str]) -> None:
         robot = described(made)
     server = language_server(robot)
     if sys.stdin.isatty():
-        typer.echo("This waits for an editor, which starts it. Ctrl-C ends it.", err=True)
+        typer.echo("This command is started by an editor, which talks to it. Ctrl-C ends it.", err=True)
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # at once: a thread waits for input
     gc.freeze()  # a full collection would take longer than a check, between a key and what is found
     gc.set_threshold(50_000, 20, 100)
     server.start_io()
