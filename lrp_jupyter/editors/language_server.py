@@ -16,6 +16,7 @@ from pygls.lsp.server import LanguageServer
 from pygls.uris import to_fs_path
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.editors.call_signatures import signature_at
 from lrp_jupyter.editors.finding_marks import ALL, QUICK, fix_all, fixes, marks
 from lrp_jupyter.editors.hover_cards import card
 from lrp_jupyter.editors.live_hints import hints
@@ -207,6 +208,17 @@ def _hover(server: ProgramServer, asked: lsp.HoverParams) -> lsp.Hover | None:
     return lsp.Hover(lsp.MarkupContent(lsp.MarkupKind.Markdown, told), text.at.range(*span))
 
 
+def _signature(server: ProgramServer, asked: lsp.SignatureHelpParams) -> lsp.SignatureHelp | None:
+    text = server.text(asked.text_document)
+    found = signature_at(text, text.at.offset(asked.position))
+    if found is None:
+        return None
+    told = lsp.MarkupContent(lsp.MarkupKind.Markdown, found.doc)
+    parameters = [lsp.ParameterInformation(name) for name in found.parameters]
+    active = found.active if found.active >= 0 else None
+    return lsp.SignatureHelp([lsp.SignatureInformation(found.label, told, parameters)], 0, active)
+
+
 def _definition(server: ProgramServer, asked: lsp.DefinitionParams) -> lsp.Location | None:
     text = server.text(asked.text_document)
     symbol = text.symbol(text.at.offset(asked.position))
@@ -313,6 +325,7 @@ _FEATURES: dict[str, tuple[Any, Any]] = {
     lsp.TEXT_DOCUMENT_DID_CLOSE: (_did_close, None),
     lsp.TEXT_DOCUMENT_COMPLETION: (_completion, lsp.CompletionOptions(["(", ".", "'", '"'])),
     lsp.TEXT_DOCUMENT_HOVER: (_hover, None),
+    lsp.TEXT_DOCUMENT_SIGNATURE_HELP: (_signature, lsp.SignatureHelpOptions(["(", ","])),
     lsp.TEXT_DOCUMENT_DEFINITION: (_definition, None),
     lsp.TEXT_DOCUMENT_REFERENCES: (_references, None),
     lsp.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT: (_highlights, None),

@@ -67,6 +67,8 @@ def test_names_are_explained_found_and_changed_everywhere(editor):
     assert "brightness of the floor" in lrp.hover(lrp.at("data <"))
     assert "robot.move(linear=0.0, angular=0.0)" in lrp.hover(lrp.at("move(linear"))
     assert lrp.hover(lrp.at("100")) is None
+    help_ = lrp.ask("signature_help", lsp.SignatureHelpParams, lrp.at("angular=1", 8))
+    assert (help_.signatures[0].label, help_.active_parameter) == ("robot.move(linear=0.0, angular=0.0)", 1)
 
     definition = lrp.ask("definition", lsp.DefinitionParams, lrp.at("pace)]"))
     assert definition.range.start == lrp.at("pace := ")

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from lrp_jupyter import programs
+from lrp_jupyter.editors.call_signatures import signature_at
 from lrp_jupyter.editors.program_text import AssumedRobot, ProgramText
 from lrp_jupyter.editors.word_options import complete
 from lrp_jupyter.language.form_texts import form_texts
@@ -43,6 +44,27 @@ def test_the_robot_of_the_program_offers_its_members():
     assert [*offered("(state s (running [robot.move(lambda m: m.linear.|)]))")] == ["x", "y", "z"]
     assert {"linear=", "angular="} <= offered("(state s (running [robot.move(|)]))").keys()
     assert offered("; world: none\n(state s (running [robot.|]))").keys() == set()
+
+
+@pytest.mark.parametrize(
+    ("written", "active"),
+    [
+        ("robot.move(|", "linear"),
+        ("robot.move(0.2, |", "angular"),
+        ("robot.move(max(1, 2), |", "angular"),
+        ("robot.move(angular=|", "angular"),
+        ("robot.drive_by(1, speed=0|", "speed"),
+        ("robot.light(|", None),
+        ("robot.move(0.2)|", None),
+        ("move(|", None),
+        ("'robot.move' (|", None),
+    ],
+)
+def test_what_a_command_takes_is_shown_while_it_is_written(written, active):
+    text = f"(machine m (state s (running [{written}])))"
+    offset = text.index("|")
+    found = signature_at(ProgramText(text.replace("|", ""), 1, "utf-16", ROBOT), offset)
+    assert (found and found.parameters[found.active]) == active
 
 
 def test_a_form_that_is_not_closed_hides_nothing_after_it():
