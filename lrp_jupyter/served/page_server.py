@@ -15,11 +15,12 @@ import secrets
 import ssl
 import threading
 import traceback
+from concurrent.futures import Future
 from contextlib import AsyncExitStack
 from functools import partial
 from http import HTTPStatus
 from pathlib import Path
-from typing import Self
+from typing import ClassVar, Self
 from urllib.parse import urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
@@ -71,8 +72,8 @@ class PageServer:
         self._owners: dict[str, PageVisit] = {}
         self._visits: set[PageVisit] = set()
         self._wrong: dict[str, Allowance] = {}  # tokens, by address
-        self._ready = threading.Event()
-        self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name="lrp page", daemon=True)
+        self._ready: Future[None] = Future()
+        self._thread = threading.Thread(target=self._run, name="lrp page", daemon=True)
 
     @property
     def link(self) -> str:
@@ -88,7 +89,7 @@ class PageServer:
 
     def __enter__(self) -> Self:
         self._thread.start()
-        self._ready.wait()
+        self._ready.result()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -96,7 +97,16 @@ class PageServer:
         self._loop.call_soon_threadsafe(self._ended.set)
         self._thread.join()
 
-    async def _run(self) -> None:
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._serve())
+        except BaseException as error:
+            if self._ready.done():
+                self.program.report(traceback.format_exc())
+            else:
+                self._ready.set_exception(error)
+
+    async def _serve(self) -> None:
         self._loop, self._ended = asyncio.get_running_loop(), asyncio.Event()
         async with AsyncExitStack() as stack:
             for each in self._sockets:
@@ -118,7 +128,7 @@ class PageServer:
                         create_connection=_CountedConnection,
                     )
                 )
-            self._ready.set()
+            self._ready.set_result(None)
             await self._ended.wait()
             await asyncio.gather(*(visit.end() for visit in self._visits))
 
@@ -180,10 +190,17 @@ class PageServer:
 class _CountedConnection(ServerConnection):
     """A connection to a server that has not too many of them."""
 
+    known: ClassVar[set[ServerConnection]] = set()
+
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         super().connection_made(transport)
-        if len(self.server.handler_tasks) > _MOST_CONNECTIONS:
+        self.known.add(self)
+        if len(self.known) > _MOST_CONNECTIONS:
             self.transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self.known.discard(self)
+        super().connection_lost(exc)
 
 
 def _with_headers(_: ServerConnection, request: Request, response: Response) -> None:

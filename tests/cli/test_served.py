@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 import pytest
 from support.certificates import own_certificate
 from support.served import ServedRun, closed
-from support.waiting import until
+from support.waiting import no_thread_left, until
 from websockets.exceptions import InvalidStatus
 
 from lrp_jupyter.widgets import registry  # noqa: F401 (all acts and questions are known then)
@@ -399,6 +399,29 @@ def test_pages_are_told_that_the_run_has_ended(serve):
         assert closed(page.socket) == 4410
     assert run.process.wait() == 130
     assert run.output.read_text().splitlines()[-1].startswith("my: ")
+
+
+def test_a_run_that_served_its_page_leaves_no_thread(lrp, program):
+    with no_thread_left():
+        result = lrp("run", program(COUNT), "--serve", "0", "--for", "0.3")
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+def test_more_connections_than_pages_need_are_refused_and_a_page_is_answered_after_that(serve):
+    run = serve()
+    place = urlsplit(run.address)
+    with ExitStack() as idle:
+        for _ in range(60):
+            idle.enter_context(socket.create_connection((place.hostname, place.port)))
+        with pytest.raises((OSError, http.client.HTTPException)):
+            asked(run)
+    assert until(lambda: answers(run)) == 200
+
+
+def answers(run):
+    """The status of an answer, if there is one."""
+    with suppress(OSError, http.client.HTTPException):
+        return asked(run)[0]
 
 
 def test_an_encrypted_page(serve, tmp_path):

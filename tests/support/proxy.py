@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 import threading
-from contextlib import closing, suppress
+from contextlib import suppress
 from typing import Self
 
 
@@ -25,9 +25,8 @@ class Network:
 
     def __exit__(self, *_: object) -> None:
         self._whole.set()
+        _end(*self._open)
         for each in self._open:
-            with suppress(OSError):
-                each.shutdown(socket.SHUT_RDWR)
             each.close()
 
     def cut(self) -> None:
@@ -38,9 +37,7 @@ class Network:
         """Pass new connections on again; those that were cut are lost."""
         _, *lost = self._open
         del self._open[1:]
-        for each in lost:
-            with suppress(OSError):
-                each.shutdown(socket.SHUT_RDWR)
+        _end(*lost)
         self._whole.set()
 
     def _accept(self) -> None:
@@ -59,7 +56,14 @@ class Network:
             self._pass(near, far)
 
     def _pass(self, one: socket.socket, other: socket.socket) -> None:
-        with suppress(OSError), closing(one), closing(other):
+        with suppress(OSError):
             while data := one.recv(65536):
                 self._whole.wait()
                 other.sendall(data)
+        _end(one, other)
+
+
+def _end(*sockets: socket.socket) -> None:
+    for each in sockets:
+        with suppress(OSError):  # it is over already
+            each.shutdown(socket.SHUT_RDWR)

@@ -53,6 +53,8 @@ async function main(): Promise<void> {
       describe(about);
       if (!isShown) module.default.render({ model: socket.model, el: element("lab") });
       isShown = true;
+      if (about.read_only)
+        element("lab").querySelector(".cm-content")?.setAttribute("contenteditable", "false");
     },
     away: () => say(AWAY, "error"),
     over(code) {

@@ -33,6 +33,8 @@ const LONGEST_WAIT = 8000;
 const ENDED = 4410;
 /** Whether no other try would change why it was closed. */
 const isFinal = (code: number) => code === 1009 || (code >= 4400 && code < 4500 && code !== ENDED);
+/** What the lab says by itself, without a person. */
+const UNASKED: ReadonlySet<string> = new Set(["fit", "recover", "put_into_cell"]);
 const LOST =
   "The connection was lost before this was answered. Look whether it has happened, and do it again if not.";
 
@@ -70,7 +72,7 @@ export class RunSocket {
     const socket = new WebSocket(this.address);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
-    socket.addEventListener("open", () => socket.send(this.token));
+    socket.addEventListener("open", () => socket === this.socket && socket.send(this.token));
     socket.addEventListener("message", ({ data }) => socket === this.socket && this.receive(data));
     socket.addEventListener("close", ({ code }) => socket === this.socket && this.close(code));
   }
@@ -101,7 +103,7 @@ export class RunSocket {
     const message: FromPage = JSON.parse(json);
     if ("id" in message && message.id) this.asked.set(message.id, message.view);
     if (this.isOpen) this.socket?.send(json);
-    else if (message.type === "command") this.told.missed();
+    else if (message.type === "command" && !UNASKED.has(message.do)) this.told.missed();
   }
 
   /** It is closed, or silent for so long that it must be. */
