@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gzip
 import hashlib
+import re
 from functools import cache
 from http import HTTPStatus
 from pathlib import Path
@@ -23,17 +24,26 @@ _FILES = {
     "/page.css": ("site/page.css", "text/css"),
     "/served.css": ("served/served.css", "text/css"),
 }
-SECURE = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; connect-src 'self'; "
-    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+_SECURE = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
 }
-"""Styles are made by the editor while it runs, so they need not be in a file."""
+
+
+def secure(request: Request) -> dict[str, str]:
+    """Return the headers of an answer; styles are made by the editor, so they need not be in a file."""
+    hosts = request.headers.get_all("Host")
+    is_plain = len(hosts) == 1 and re.fullmatch(r"[\w.:\[\]-]+", hosts[0], re.ASCII)
+    sockets = f" ws://{hosts[0]} wss://{hosts[0]}" if is_plain else ""  # not `'self'` in older browsers
+    policy = (
+        f"default-src 'none'; script-src 'self'; connect-src 'self'{sockets}; "
+        "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src data:; "
+        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    )
+    return {"Content-Security-Policy": policy, **_SECURE}
 
 
 def answer(request: Request) -> Response:

@@ -126,6 +126,7 @@ class PageServer:
                         close_timeout=1,
                         logger=_SILENT,
                         create_connection=_CountedConnection,
+                        ssl_handshake_timeout=None if self._tls is None else _FIRST_WORDS,
                     )
                 )
             self._ready.set_result(None)
@@ -204,7 +205,7 @@ class _CountedConnection(ServerConnection):
 
 
 def _with_headers(_: ServerConnection, request: Request, response: Response) -> None:
-    response.headers.update(page_files.SECURE)
+    response.headers.update(page_files.secure(request))
 
 
 def _context(certificate: str, key: str) -> ssl.SSLContext:

@@ -96,6 +96,12 @@ def test_the_language_server_says_how_to_get_it(lrp):
     assert 'Install it with `pip install "lrp-jupyter[editors]"`.' in done.stderr
 
 
+def test_the_page_of_a_run_says_how_to_get_it(lrp):
+    done = lrp("run", "my.lrp", "--bridge", "none", "--serve", "0")
+    assert done.returncode == 2
+    assert "--serve needs `websockets`: install it with" in done.stderr
+
+
 def test_the_lab_says_how_to_get_it(lrp):
     done = lrp("lab")
     assert 'Install it with `pip install "lrp-jupyter[lab]"`.' in done.stderr

@@ -125,6 +125,7 @@ def test_there_are_a_few_files_and_a_browser_runs_no_other_script(serve):
         assert (status, headers["X-Content-Type-Options"]) == (200, "nosniff")
         assert asked(run, f"/{file}", If_None_Match=headers["ETag"])[::2] == (304, b"")
     assert "script-src 'self';" in headers["Content-Security-Policy"]
+    assert f"connect-src 'self' ws://{run.place} wss://{run.place};" in headers["Content-Security-Policy"]
     assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
     assert headers["Referrer-Policy"] == "no-referrer"
     for path in ("/my.lrp", "/../my.lrp", "/served/../my.lrp", "//my.lrp", "/%2e%2e/my.lrp", "/.lrp/x"):

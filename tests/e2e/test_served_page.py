@@ -176,6 +176,20 @@ def test_a_page_says_that_the_run_has_ended_and_that_another_one_is_not_its(serv
     lab.says("This link is not the one of the present run.")
 
 
+def test_a_page_goes_on_with_the_next_run_of_the_same_token(serve, visit, monkeypatch):
+    token = "0123456789abcdef" * 2
+    monkeypatch.setenv("LRP_TOKEN", token)
+    run = serve()
+    lab = visit(f"{run.address}/#token={token}").ready()
+    run.process.terminate()
+    lab.says("The run has ended.")
+    assert run.process.wait() == 143
+    serve(at=run.place.partition(":")[2], text=DRIVE.replace("0.5", "0.7"))
+    lab.says_nothing()
+    lab.ready().reads(".cm-content", "angular=0.7")
+    lab.goes_on()
+
+
 def test_a_page_that_only_looks_shows_why_and_the_past_and_keeps_its_text(serve, visit, tmp_path):
     run = serve("--read-only")
     lab = visit(run.link).ready()

@@ -15,18 +15,20 @@ class Network:
         self._port = port
         self._whole = threading.Event()
         self._whole.set()
-        self._listening = socket.create_server(("127.0.0.1", 0))
-        self._open: list[socket.socket] = [self._listening]
-        self.port = int(self._listening.getsockname()[1])
+        self._sockets = [socket.create_server(("127.0.0.1", 0))]
+        self._threads: list[threading.Thread] = []
+        self.port = int(self._sockets[0].getsockname()[1])
 
     def __enter__(self) -> Self:
-        threading.Thread(target=self._accept, daemon=True).start()
+        self._start(self._accept, self._sockets[0])
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._end(self._sockets)
         self._whole.set()
-        _end(*self._open)
-        for each in self._open:
+        for each in self._threads:  # none is added any more once the first one has ended
+            each.join()
+        for each in self._sockets:
             each.close()
 
     def cut(self) -> None:
@@ -35,24 +37,26 @@ class Network:
 
     def mend(self) -> None:
         """Pass new connections on again; those that were cut are lost."""
-        _, *lost = self._open
-        del self._open[1:]
-        _end(*lost)
+        self._end(self._sockets[1:])
         self._whole.set()
 
-    def _accept(self) -> None:
+    def _start(self, job: object, *arguments: object) -> None:
+        self._threads.append(threading.Thread(target=job, args=arguments))
+        self._threads[-1].start()
+
+    def _accept(self, listening: socket.socket) -> None:
         with suppress(OSError):
             while True:
-                near, _ = self._listening.accept()
-                self._open.append(near)
-                threading.Thread(target=self._connect, args=(near,), daemon=True).start()
+                near, _ = listening.accept()
+                self._sockets.append(near)
+                self._start(self._connect, near)
 
     def _connect(self, near: socket.socket) -> None:
         self._whole.wait()
         with suppress(OSError):
             far = socket.create_connection(("127.0.0.1", self._port))
-            self._open.append(far)
-            threading.Thread(target=self._pass, args=(far, near), daemon=True).start()
+            self._sockets.append(far)
+            self._start(self._pass, far, near)
             self._pass(near, far)
 
     def _pass(self, one: socket.socket, other: socket.socket) -> None:
@@ -60,10 +64,10 @@ class Network:
             while data := one.recv(65536):
                 self._whole.wait()
                 other.sendall(data)
-        _end(one, other)
+        self._end([one, other])
 
-
-def _end(*sockets: socket.socket) -> None:
-    for each in sockets:
-        with suppress(OSError):  # it is over already
-            each.shutdown(socket.SHUT_RDWR)
+    @staticmethod
+    def _end(sockets: list[socket.socket]) -> None:
+        for each in sockets:
+            with suppress(OSError):  # it is over already
+                each.shutdown(socket.SHUT_RDWR)

@@ -103,7 +103,7 @@ export class RunSocket {
     const message: FromPage = JSON.parse(json);
     if ("id" in message && message.id) this.asked.set(message.id, message.view);
     if (this.isOpen) this.socket?.send(json);
-    else if (message.type === "command" && !UNASKED.has(message.do)) this.told.missed();
+    else if (message.type === "command" && !UNASKED.has(message.do) && !this.hasEnded) this.told.missed();
   }
 
   /** It is closed, or silent for so long that it must be. */
