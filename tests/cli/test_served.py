@@ -7,6 +7,7 @@ import signal
 import socket
 import ssl
 from contextlib import ExitStack, closing, suppress
+from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import pytest
@@ -321,6 +322,19 @@ def test_a_page_disarms_a_robot_and_arms_it_again_and_the_terminal_says_so(serve
         assert page.do("load", name="follower").startswith("`lrp run` runs `my`.")
     moves = run.output.read_text().count("moved")
     until(lambda: run.output.read_text().count("moved") > moves)
+
+
+def test_the_board_says_that_a_page_has_disarmed_the_robot(terminal, program, tmp_path):
+    (tmp_path / "carrier.py").write_text(CARRIER)
+    text = "(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)"
+    shown = terminal("run", program(text), "--bridge", tmp_path / "carrier.py", "--serve", "0")
+    run = ServedRun(shown.process, SimpleNamespace(read_text=shown.read))
+    with run.visitor() as page:
+        assert page.do("armed", on=False) is None
+        shown.wait_for("The robot is disarmed.")
+        shown.press("q")
+        assert closed(page.socket) == 4410
+    assert shown.end() == 0
 
 
 # -- the file -----------------------------------------------------------------------------------------

@@ -21,8 +21,8 @@ class ServedRun:
 
     def __init__(self, started, output):
         self.process, self.output = started, output
-        link = until(lambda: re.search(r"https?://\S+#token=\S+", output.read_text()), output.read_text)
-        self.link = link[0]
+        link = until(lambda: re.search(r"(https?://\S+#token=\S+)\s", output.read_text()), output.read_text)
+        self.link = link[1]
         self.address, _, self.token = self.link.partition("/#token=")
         self.place = urlsplit(self.address).netloc
         self.visitors = []
