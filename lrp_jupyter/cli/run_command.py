@@ -587,7 +587,7 @@ class _Run:
             self._apply(saved)
 
     def _apply(self, text: str) -> None:
-        if self._page is not None and not self._page.program.look():
+        if self._page is not None and not self._page.program.look(text):
             return  # a page has written it
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)

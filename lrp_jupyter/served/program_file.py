@@ -39,13 +39,17 @@ class ProgramFile(Kept):
         """Return the text of a file; None if it does not exist or cannot be read."""
         if ending != _TEXT:
             return super().read(ending)
-        signature = self._signature(ending)
+        signature, text = self._signature(ending), self.read_again()
+        if text is not None:
+            self._known[ending] = signature, digest(text)
+        return text
+
+    def read_again(self) -> str | None:
+        """Return the text that the file has now, which then still counts as a change."""
         try:
-            text = read_text(self.path)
+            return read_text(self.path)
         except LRPError:
             return None
-        self._known[ending] = signature, digest(text)
-        return text
 
     def write(self, ending: str, text: str) -> None:
         """Write a text to a file; one that was removed is written when there is something new to write."""

@@ -41,8 +41,10 @@ class ServedProgram(PageConnection):
         if text != texts.text:
             texts.write(text)
 
-    def look(self) -> bool:
-        """Look whether another program has changed the file; return whether so."""
+    def look(self, saved: str) -> bool:
+        """Look whether another program has saved this text in the file; return whether so."""
+        if self.file is None or self.file.read_again() != saved:  # it is being written: there will be another
+            return False
         before = self.texts.revision
         self.saver.look()
         return self.texts.revision != before

@@ -345,7 +345,7 @@ def test_with_watch_a_save_comes_to_the_pages_also_one_that_is_no_program(serve,
     run = serve("--watch")
     with run.visitor() as page:
         file.write_text(COUNT.replace("n + 1", "n + 3"))
-        assert page.get("answer", lambda answer: answer["updates"])["applied"]
+        assert page.get("answer", lambda answer: answer["updates"])["accepted"]
         broken = COUNT.replace("n + 1", "n +")
         file.write_text(broken)
         answer = page.get("answer", lambda answer: answer["updates"])
@@ -353,7 +353,7 @@ def test_with_watch_a_save_comes_to_the_pages_also_one_that_is_no_program(serve,
         run.says("saved: not a valid program; the last one keeps running")
         page.snapshot["text"] = broken
         assert file.read_text() == broken, "it is not replaced by what runs"
-        assert page.replace("n +]", "n + 4]")["applied"]
+        assert page.replace("n +]", "n + 4]")["accepted"]
         until(lambda: "n + 4" in file.read_text())
     assert run.output.read_text().count("saved: ") == 1, "what a page has written is no save"
 
@@ -390,7 +390,7 @@ def test_a_file_that_is_no_program_yet_is_corrected_in_the_page(serve):
     run.says("Nothing runs yet. Correct the text.")
     with run.visitor() as page:
         assert page.snapshot["accepted"] is False
-        assert page.replace("n +]", "n + 1]")["applied"]
+        assert page.replace("n +]", "n + 1]")["accepted"]
         page.get("frame", lambda frame: frame.get("active") == ["m/a"])
 
 
