@@ -55,19 +55,25 @@ _shown: _Document | Lab
 """What this kernel's page shows."""
 
 
-def open_program(name: str, text: str) -> None:
-    """Open the lab of a program in a page that has this text of it; one that runs already goes on."""
+def open_program(name: str, text: str, again: bool) -> None:
+    """Open the lab of a program in a page that has this text of it; one that runs already goes on.
+
+    `again`: whether another kernel, which has ended, has run it: then it waits for its user.
+    """
     global _shown
-    _shown = _Document(registry.find(name) or _opened(name, text), text)
+    _shown = _Document(registry.find(name) or _opened(name, text, _AGAIN if again else ""), text)
 
 
-def _opened(name: str, text: str) -> PageConnection:
+_AGAIN = "The kernel that ran this program has ended, and this is a new one. Run the program to go on."
+
+
+def _opened(name: str, text: str, paused: str) -> PageConnection:
     shell = get_ipython()
     heading = programs.heading(text)
     task = challenge(heading.challenge) if heading.challenge else None
     robot = {"task": task} if task else registry.robot_for(programs.world_of(text, Path()))
     names = None if shell is None else shell.user_ns
-    return registry.open_program(name, text, namespace=names, given_in="file", **robot)
+    return registry.open_program(name, text, namespace=names, paused=paused, given_in="file", **robot)
 
 
 def reconcile(text: str) -> None:

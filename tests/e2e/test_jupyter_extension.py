@@ -24,6 +24,7 @@ WORDS = [
     *("machine tok-keyword", "m tok-namespace", "go tok-labelName", "near tok-propertyName"),
     *("0.2 tok-number", "# a robot's comment tok-comment"),
 ]
+CRASH = "import os; os._exit(1)"
 THEME = "jupyterapp.commands.execute('apputils:change-theme', { theme: 'JupyterLab Dark' })"
 
 
@@ -61,22 +62,24 @@ def test_a_cell_has_the_colours_of_the_lab(open_notebook, app):
 
 def test_a_cell_is_typed_as_in_the_lab_and_is_python_without_its_first_line(open_notebook):
     notebook = open_notebook("x = 1", "%load_ext lrp_jupyter")
+    notebook.run_cell(1)
     page, keyboard = notebook.page, notebook.page.keyboard
     type_in(notebook, 0, "")
     keyboard.press("Control+a")
-    keyboard.type("%%lrp m\n(mach")
-    page.locator(".cm-tooltip-autocomplete").get_by_text("machine", exact=True).wait_for()
-    keyboard.press("Enter")  # the form, with its name selected
+    keyboard.type("%%lrp m --wor")
+    keyboard.press("Tab")  # the kernel knows the options
+    page.locator(".jp-Completer-item", has_text="--world").wait_for()
+    keyboard.press("Enter")
+    keyboard.type("\n(mach")
+    page.locator(".cm-tooltip-autocomplete li", has_text="machine").click()
     keyboard.type("m")
     keyboard.press("Tab")
     keyboard.type("(sta")
-    page.locator(".cm-tooltip-autocomplete").get_by_text("state", exact=True).wait_for()
-    keyboard.press("Enter")
+    page.locator(".cm-tooltip-autocomplete li", has_text="state").click()
     keyboard.type("here)\n(on [True] her")
-    page.locator(".cm-tooltip-autocomplete").get_by_text("here", exact=True).wait_for()
-    keyboard.press("Tab")
+    page.locator(".cm-tooltip-autocomplete li", has_text="here").click()
     keyboard.type(" -> here))")
-    assert source(notebook, 0) == "%%lrp m\n(machine m\n  (state here)\n  (on [True] here -> here))"
+    assert source(notebook, 0) == "%%lrp m --world\n(machine m\n  (state here)\n  (on [True] here -> here))"
     keyboard.press("Control+/")
     assert source(notebook, 0).endswith("\n  # (on [True] here -> here))")
     keyboard.press("Control+Home")
@@ -152,6 +155,19 @@ def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     desk.has("untitled.lrp", "(state third)\n")
     assert lab.find('[role="alertdialog"]').is_hidden()
     assert desk.kernels() == [f"{desk.folder.name}/untitled.lrp.lab"]
+
+    before = lab.root.element_handle()
+    page.evaluate(
+        f"{APP}.content.session.session.kernel.requestExecute({{ code: 'import os; os._exit(1)' }}), 0"
+    )
+    page.wait_for_function("before => !before.isConnected", arg=before)
+    lab = LabPage(page).ready("paused")  # it may be what has ended the kernel
+    lab.reads(":scope", "and this is a new one.")
+
+    desk.server.end_kernels()
+    page.reload()
+    lab = LabPage(page).ready("paused")
+    assert "(state third)" in lab.text
     desk.command("application:close")
     until(lambda: not desk.kernels(), "the kernel has not ended")
     assert page.locator(".jp-Dialog").count() == 0

@@ -6,8 +6,8 @@ import { isLrp, MIME } from "./language";
 const followed = new WeakSet<CodeEditor.IModel>();
 
 /** Give a cell the language of its text, now and whenever it is changed. */
-export function followText(model: CodeEditor.IModel): void {
-  if (followed.has(model)) return;
+export function followText(model: CodeEditor.IModel & { type?: string }): void {
+  if (followed.has(model) || (model.type ?? "code") !== "code") return;
   followed.add(model);
   let other = model.mimeType; // that of the notebook
   const update = () => {

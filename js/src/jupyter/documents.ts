@@ -24,8 +24,18 @@ export class ProgramTab extends LabTab {
   protected override async open(): Promise<void> {
     const { model, localPath } = this.context;
     this.known = this.text.source;
-    await this.call("open_program", PathExt.basename(localPath, PathExt.extname(localPath)), this.known);
+    await this.call(
+      "open_program",
+      PathExt.basename(localPath, PathExt.extname(localPath)),
+      this.known,
+      this.isAgain,
+    );
     model.contentChanged.connect(this.edited); // once, however often it is opened
+  }
+
+  override dispose(): void {
+    if (!this.isDisposed) this.context.model.contentChanged.disconnect(this.edited);
+    super.dispose();
   }
 
   private readonly edited = calledAfter(EDITED, () => {
@@ -35,7 +45,7 @@ export class ProgramTab extends LabTab {
   });
 
   private readonly save = calledAfter(TYPED, () => {
-    if (!this.isDisposed && !this.context.model.collaborative) void this.context.save();
+    if (!this.isDisposed && !this.context.model.collaborative) this.context.save().catch(() => {}); // it has told its user why
   });
 
   protected override received({ text }: Record<string, unknown>): void {
@@ -66,13 +76,17 @@ export class TabFactory extends ABCWidgetFactory<DocumentWidget<LabTab>> {
     private readonly tab: new (...given: ConstructorParameters<typeof LabTab>) => LabTab,
     private readonly icon: LabIcon,
     private readonly manager: ServiceManager.IManager,
+    private readonly isRestoring: () => boolean,
     options: DocumentRegistry.IWidgetFactoryOptions<DocumentWidget<LabTab>>,
   ) {
     super(options);
   }
 
   protected override createNewWidget(context: DocumentRegistry.Context): DocumentWidget<LabTab> {
-    const widget = new DocumentWidget({ content: new this.tab(context, this.manager), context });
+    const widget = new DocumentWidget({
+      content: new this.tab(context, this.manager, this.isRestoring()),
+      context,
+    });
     widget.toolbar.hide();
     widget.title.icon = this.icon;
     return widget;

@@ -18,6 +18,10 @@ export const files: JupyterFrontEndPlugin<void> = {
   autoStart: true,
   optional: [ILayoutRestorer],
   activate({ docRegistry, serviceManager }, restorer: ILayoutRestorer | null) {
+    let isRestoring = restorer !== null;
+    void restorer?.restored.then(() => {
+      isRestoring = false;
+    });
     const tracker = new WidgetTracker<DocumentWidget<LabTab>>({ namespace: "lrp" });
     docRegistry.addFileType({
       name: "lrp",
@@ -40,7 +44,7 @@ export const files: JupyterFrontEndPlugin<void> = {
       icon: LabIcon,
       options: DocumentRegistry.IWidgetFactoryOptions,
     ) => {
-      const factory = new TabFactory(tab, icon, serviceManager, options as never);
+      const factory = new TabFactory(tab, icon, serviceManager, () => isRestoring, options as never);
       factory.widgetCreated.connect((_, widget) => void tracker.add(widget));
       docRegistry.addWidgetFactory(factory as never); // its types are not exact about what is optional
     };

@@ -34,6 +34,9 @@ const complete: Command = (view) => {
   return indentMore(view);
 };
 
+/** Begin a line, unless Enter chooses one of the options that JupyterLab shows. */
+const enter: Command = (view) => !view.dom.closest(".jp-mod-completer-active") && newLine(view);
+
 export function support(): LanguageSupport {
   const { language, support } = lrp();
   return new LanguageSupport(language, [
@@ -47,7 +50,7 @@ export function support(): LanguageSupport {
       keymap.of([
         { key: "Tab", run: acceptCompletion },
         { key: "Tab", run: complete, shift: indentLess },
-        { key: "Enter", run: newLine },
+        { key: "Enter", run: enter },
         ...foldKeymap,
       ]),
     ),

@@ -12,6 +12,9 @@ const MODULE = "lrp_jupyter.widgets.documents";
 const LACKING =
   "The kernel of this tab has no `lrp_jupyter`. Install it where the kernel runs: `pip install lrp-jupyter`.";
 
+/** The path of the tab's session: an editor would take one with the path of the file for its own. */
+const sessionOf = (path: string) => `${path}.lab`;
+
 export abstract class LabTab extends Widget {
   private readonly session: SessionContext;
   private readonly kernelspecs: KernelSpec.IManager;
@@ -22,6 +25,8 @@ export abstract class LabTab extends Widget {
   constructor(
     protected readonly context: DocumentRegistry.Context,
     { sessions, kernels, kernelspecs }: ServiceManager.IManager,
+    /** Whether the lab is opened again, by a page that is restored, or in the place of a kernel that has ended. */
+    protected isAgain: boolean,
   ) {
     super();
     this.addClass("lrp-document");
@@ -30,11 +35,14 @@ export abstract class LabTab extends Widget {
       sessionManager: sessions,
       specsManager: kernelspecs,
       kernelManager: kernels,
-      path: `${context.localPath}.lab`, // an editor of the file would take a session of its path for its own
+      path: sessionOf(context.localPath),
       name: PathExt.basename(context.localPath),
       type: "lrp",
     });
+    context.pathChanged.connect(this.moved);
   }
+
+  private readonly moved = () => void this.session.session?.setPath(sessionOf(this.context.localPath));
 
   protected override onAfterAttach(): void {
     this.starting ??= this.start(); // Notebook makes a widget that another page then shows
@@ -61,13 +69,18 @@ export abstract class LabTab extends Widget {
   }
 
   /** Show a sentence in place of the lab. */
-  protected say(sentence: string, ...more: HTMLElement[]): void {
+  protected say(sentence: string): void {
     this.clear();
-    this.node.replaceChildren(h("p", { class: "lrp-document-says" }, ...prose(sentence)), ...more);
+    this.node.replaceChildren(h("p", { class: "lrp-document-says" }, ...prose(sentence)));
+  }
+
+  private begin(): void {
+    this.kernel = null;
+    this.say("Starting a kernel …");
   }
 
   private async start(): Promise<void> {
-    this.say("Starting a kernel …");
+    this.begin();
     await Promise.all([this.context.ready, this.kernelspecs.ready]);
     if (this.isDisposed) return;
     const { default: first = "", kernelspecs = {} } = this.kernelspecs.specs ?? {};
@@ -77,7 +90,7 @@ export abstract class LabTab extends Widget {
       return this.say("This Jupyter has no Python kernel, which a lab needs: `pip install ipykernel`.");
     this.session.kernelPreference = { name, shutdownOnDispose: true };
     this.session.statusChanged.connect((_, status) => {
-      if (status.endsWith("restarting")) this.kernel = null;
+      if (status.endsWith("restarting")) this.begin(); // when it is idle, it is new
       if (status === "idle") void this.fill();
       if (status === "dead") this.say("The kernel ended. Close this tab, and open the file again.");
     });
@@ -91,11 +104,10 @@ export abstract class LabTab extends Widget {
     const kernel = this.session.session?.kernel;
     if (!kernel || kernel === this.kernel) return;
     this.kernel = kernel;
-    onOpened(
-      kernel,
-      (comm, state) => void this.draw(new LabModel(comm, state, (content) => this.received(content))),
-    );
+    const received = (content: Record<string, unknown>) => this.received(content);
+    onOpened(kernel, (comm, state) => void this.draw(new LabModel(comm, state, received)));
     await this.open();
+    this.isAgain = true;
   }
 
   private async draw(model: LabModel): Promise<void> {
@@ -111,6 +123,7 @@ export abstract class LabTab extends Widget {
   override dispose(): void {
     if (this.isDisposed) return;
     this.clear();
+    this.context.pathChanged.disconnect(this.moved);
     this.session.dispose();
     super.dispose();
   }
