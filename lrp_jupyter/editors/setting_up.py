@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import sys
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import NamedTuple
 from lrp_jupyter.editors.vscode_package import write_vscode_package
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import shown, write_file
+from lrp_jupyter.process import PYTHON
 
 _FOLDER = Path(__file__).parent
 
@@ -72,5 +72,5 @@ def set_up(name: str, folder: Path) -> str:
 
 def _command() -> str:
     """Return where `lrp` of this Python is."""
-    beside = Path(sys.executable).with_name("lrp")
+    beside = Path(PYTHON).with_name("lrp")
     return str(beside) if beside.exists() else shutil.which("lrp") or "lrp"
