@@ -140,6 +140,8 @@ def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     desk.in_front("untitled.lrp")
     lab = LabPage(page).ready()
     lab.is_active("rover/driving")
+    icon = page.locator(".lm-TabBar-tabIcon .lrp-file-icon").first
+    assert icon.evaluate("icon => getComputedStyle(icon).stroke") == "rgb(31, 120, 180)"  # whatever the lab's styles
     lab.type_after("(machine rover", "\n(state third)")
     lab.sees('[data-lrp-state="rover/third"]')
     desk.has("untitled.lrp", "(machine rover\n  (state third)\n")

@@ -5,7 +5,7 @@ import { LabIcon } from "@jupyterlab/ui-components";
 const icon = (name: string, drawing: string) =>
   new LabIcon({
     name: `lrp-jupyter:${name}`,
-    svgstr: `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 22 22" width="16" fill="none"><g class="lrp-icon" stroke="#1f78b4" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round">${drawing}</g></svg>`,
+    svgstr: `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 22 22" width="16" fill="none"><g class="lrp-file-icon" stroke="#1f78b4" stroke-width="1.8" stroke-linecap="round" stroke-linejoin="round">${drawing}</g></svg>`,
   });
 
 export const programIcon = icon(
