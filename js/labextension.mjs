@@ -11,22 +11,28 @@ const OUT = "labextension";
 const NAME = "lrp-jupyter";
 const SHARED = /^(@(jupyterlab|lumino)\/|@codemirror\/(language|state|view)$|@lezer\/(common|highlight)$)/;
 
-/** The packages that the page shares are asked for when the module is made: every extension has been told by then. */
+/** The container; it asks for what is shared when its module is made, when every extension has said what it shares. */
 const wrapped = (names, css, code) => `\
 (globalThis._JUPYTERLAB ??= {})[${JSON.stringify(NAME)}] = (() => {
+  const css = ${JSON.stringify(css)};
+  const names = ${JSON.stringify(names)};
   let scope;
-  const newest = (all) =>
-    all[Object.keys(all).sort((a, b) => !!all[a].loaded - !!all[b].loaded || a.localeCompare(b, "en", { numeric: true })).at(-1)];
+  async function shared(name) {
+    const all = scope[name];
+    const newer = (a, b) => !!all[a].loaded - !!all[b].loaded || a.localeCompare(b, "en", { numeric: true });
+    return [name, (await all[Object.keys(all).sort(newer).at(-1)].get())()];
+  }
   return {
-    init(shared) { scope = shared; },
+    init(shared) {
+      scope = shared;
+    },
     async get() {
-      const names = ${JSON.stringify(names)};
-      const shared = new Map(await Promise.all(names.map(async (name) => [name, (await newest(scope[name]).get())()])));
+      const packages = new Map(await Promise.all(names.map(shared)));
       const module = { exports: {} };
-      document.head.append(Object.assign(document.createElement("style"), { textContent: ${JSON.stringify(css)} }));
+      document.head.append(Object.assign(document.createElement("style"), { textContent: css }));
       ((require, module) => {
 ${code}
-      })((name) => shared.get(name), module);
+      })((name) => packages.get(name), module);
       return () => module.exports;
     },
   };
@@ -53,17 +59,16 @@ export async function labextension(options, licences) {
   const [css, code] = [".css", ".js"].map((end) =>
     outputFiles.find(({ path }) => path.endsWith(end)).text.trim(),
   );
-  const names = Object.values(metafile.outputs).flatMap(({ imports }) =>
-    imports.filter(({ external }) => external),
-  );
-  const text = wrapped([...new Set(names.map(({ path }) => path))].sort(), css, code);
+  const asked = Object.values(metafile.outputs).flatMap(({ imports }) => imports);
+  const names = new Set(asked.filter(({ external }) => external).map(({ path }) => path));
+  const text = wrapped([...names].sort(), css, code);
   const file = `static/remoteEntry.${createHash("sha256").update(text).digest("hex").slice(0, 16)}.js`;
   rmSync(OUT, { recursive: true, force: true });
   mkdirSync(`${OUT}/static`, { recursive: true });
   writeFileSync(`${OUT}/${file}`, text);
   writeFileSync(
     `${OUT}/static/THIRD-PARTY-LICENSES.txt`,
-    licences("the extension", Object.keys(metafile.inputs)),
+    licences("remoteEntry.js", Object.keys(metafile.inputs)),
   );
   const { version, license } = JSON.parse(readFileSync("package.json", "utf8"));
   const about = {

@@ -62,15 +62,10 @@ def test_a_cell_has_the_colours_of_the_lab(open_notebook, app):
 
 def test_a_cell_is_typed_as_in_the_lab_and_is_python_without_its_first_line(open_notebook):
     notebook = open_notebook("x = 1", "%load_ext lrp_jupyter")
-    notebook.run_cell(1)
     page, keyboard = notebook.page, notebook.page.keyboard
     type_in(notebook, 0, "")
     keyboard.press("Control+a")
-    keyboard.type("%%lrp m --wor")
-    keyboard.press("Tab")  # the kernel knows the options
-    page.locator(".jp-Completer-item", has_text="--world").wait_for()
-    keyboard.press("Enter")
-    keyboard.type("\n(mach")
+    keyboard.type("%%lrp m\n(mach")
     page.locator(".cm-tooltip-autocomplete li", has_text="machine").click()
     keyboard.type("m")
     keyboard.press("Tab")
@@ -79,7 +74,7 @@ def test_a_cell_is_typed_as_in_the_lab_and_is_python_without_its_first_line(open
     keyboard.type("here)\n(on [True] her")
     page.locator(".cm-tooltip-autocomplete li", has_text="here").click()
     keyboard.type(" -> here))")
-    assert source(notebook, 0) == "%%lrp m --world\n(machine m\n  (state here)\n  (on [True] here -> here))"
+    assert source(notebook, 0) == "%%lrp m\n(machine m\n  (state here)\n  (on [True] here -> here))"
     keyboard.press("Control+/")
     assert source(notebook, 0).endswith("\n  # (on [True] here -> here))")
     keyboard.press("Control+Home")

@@ -45,11 +45,13 @@ export class ProgramTab extends LabTab {
   });
 
   private readonly save = calledAfter(TYPED, () => {
-    if (!this.isDisposed && !this.context.model.collaborative) this.context.save().catch(() => {}); // it has told its user why
+    if (this.isDisposed || this.context.model.collaborative) return;
+    this.context.save().catch(() => {}); // it has told its user why
   });
 
   protected override received({ text }: Record<string, unknown>): void {
-    if (typeof text !== "string" || this.text.source !== this.known) return; // the lab will get what is newer here
+    if (typeof text !== "string") return;
+    if (this.text.source !== this.known) return; // what is newer here is about to be sent
     this.known = text;
     const { start, end, inserted } = difference(this.text.source, text);
     this.text.updateSource(start, this.text.source.length - end, inserted);
