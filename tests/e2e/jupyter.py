@@ -103,7 +103,8 @@ def private(home):
         Path(env[name]).mkdir()
     extensions = Path(env["JUPYTER_DATA_DIR"], "labextensions")
     extensions.mkdir()
-    (extensions / "lrp-jupyter").symlink_to(EXTENSION)  # of this checkout, whatever is installed
+    (extensions / "lrp-jupyter").symlink_to(EXTENSION)
+    env["JUPYTER_PREFER_ENV_PATH"] = "0"  # that of this checkout, before what is installed
     return env
 
 

@@ -130,13 +130,16 @@ def run(page, name, **arguments):
 
 def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     page = desk.page
+    (desk.folder / "other.lrp").write_text(PROGRAM)
+    desk.listed("other.lrp").wait_for()
     desk.command("launcher:create", cwd=desk.folder.name)
     page.locator(".jp-LauncherCard", has_text="LRP Program").last.click()
     desk.in_front("untitled.lrp")
     lab = LabPage(page).ready()
     lab.is_active("rover/driving")
-    icon = page.locator(".lm-TabBar-tabIcon .lrp-file-icon").first
-    assert icon.evaluate("icon => getComputedStyle(icon).stroke") == "rgb(31, 120, 180)"  # whatever the lab's styles
+    icons = page.locator(".jp-DirListing-item:not(.jp-mod-selected) .lrp-file-icon")
+    strokes = icons.evaluate_all("icons => icons.map(icon => getComputedStyle(icon).stroke)")
+    assert strokes == ["rgb(31, 120, 180)"]  # whatever the styles of the lab
     lab.type_after("(machine rover", "\n(state third)")
     lab.sees('[data-lrp-state="rover/third"]')
     desk.has("untitled.lrp", "(machine rover\n  (state third)\n")
