@@ -19,6 +19,7 @@ from lrp_jupyter.language.lookup import definition_of
 from lrp_jupyter.language.program import Machine, path_text
 
 _LEFT = re.compile(r"[\w.\u0080-\uffff]*\Z")
+_BESIDE = re.compile(r"[ \t]*[;#][;# ]*([^\r\n]+)")
 _RIGHT = re.compile(r"[\w\u0080-\uffff]*")
 
 
@@ -60,7 +61,7 @@ def _keyword_at(form: WrittenForm, text: str, offset: int) -> tuple[int, int] | 
 
 
 def _named(text: ProgramText, symbol: Symbol) -> str:
-    """Return what an element is, as it is written, with the comment above it."""
+    """Return what an element is, as it is written, with the comments above and beside it."""
     kind, path = symbol.element.kind, symbol.element.path
     noun = definition_of(text.sketched, symbol.element)
     where = f" of `{path_text(path[:-1])}`" if len(path) > 1 else ""
@@ -70,16 +71,19 @@ def _named(text: ProgramText, symbol: Symbol) -> str:
         lines.append(f"States: {states}." if states else "It has no states.")
     elif noun is not None:
         lines.append(_code(_first_lines(text.text[slice(*noun.span)])))
-    lines += _comment(text.text, symbol.definition.start)
+    lines += _comments(text.text, symbol.definition.start, noun.span.end if noun else symbol.definition.end)
     return "\n\n".join(lines)
 
 
-def _comment(text: str, offset: int) -> Iterator[str]:
-    """Yield the comment lines directly above the form that defines something."""
-    above = text[:offset].splitlines()[:-1]
+def _comments(text: str, start: int, end: int) -> Iterator[str]:
+    """Yield the comment lines directly above what is defined, and the comment beside its end."""
+    above = text[:start].splitlines()[:-1]
     found: list[str] = []
     while above and above[-1].lstrip()[:1] in (";", "#"):
         found.insert(0, above.pop().lstrip().lstrip(";# "))
+    beside = _BESIDE.match(text, end)
+    if beside:
+        found.append(beside[1])
     if found:
         yield " ".join(found)
 

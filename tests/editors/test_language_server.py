@@ -44,7 +44,7 @@ PROGRAM = """\
 ; A rover that turns in the dark — größer 🤖
 ; world: line
 ; how fast it drives
-(var pace := [0.2])
+(var pace := [0.2])  ; m/s
 (event dark [robot.light.data < 100])
 (machine rover
   (state driving (running ['🤖'; robot.move(linear=pace)]))
@@ -62,7 +62,7 @@ def test_names_are_explained_found_and_changed_everywhere(editor):
     assert lrp.codes() == []
 
     assert "**state** `driving` of `rover`" in lrp.hover(lrp.at("driving -> turning"))
-    assert "how fast it drives" in lrp.hover(lrp.at("pace)]", 2))
+    assert "how fast it drives m/s" in lrp.hover(lrp.at("pace)]", 2))
     assert "Leads to another state as soon as" in lrp.hover(lrp.at("on dark", 1))
     assert "brightness of the floor" in lrp.hover(lrp.at("data <"))
     assert "robot.move(linear=0.0, angular=0.0)" in lrp.hover(lrp.at("move(linear"))

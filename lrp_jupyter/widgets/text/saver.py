@@ -32,9 +32,7 @@ class Saver:
         self.kept = kept
         self.problem = ""  # why the texts cannot be kept at the moment; empty if they are
         self.home = home if kept is None else kept.home  # not that of a program of the same name elsewhere
-        self.follows = (
-            False  # whether what another program writes to the file is an edit, once told to `look`
-        )
+        self.follows = False  # whether what others write to the file is an edit, once told to `look`
         self.elsewhere: Callable[[], object] = lambda: None  # keeps every text, too
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
