@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Sequence
 from contextlib import suppress
 from functools import partial
 from importlib.metadata import version
@@ -25,7 +24,7 @@ from lrp_jupyter.editors.outline_symbols import folds, outline, selection
 from lrp_jupyter.editors.program_text import AssumedRobot, ProgramText
 from lrp_jupyter.editors.semantic_colours import KINDS, MODIFIERS, encoded
 from lrp_jupyter.editors.word_options import WordOption, complete
-from lrp_jupyter.errors import Edit, LRPError, LRPSyntaxError, edited
+from lrp_jupyter.errors import LRPError, LRPSyntaxError
 from lrp_jupyter.language.edits.format import formatting
 from lrp_jupyter.language.edits.rename import rename_edits
 
@@ -56,7 +55,8 @@ class ProgramServer(LanguageServer):
     """The server, with the texts that are open. `robot`: for which they are checked, if it is named."""
 
     def __init__(self, robot: Bridge | None = None) -> None:
-        super().__init__("lrp", version("lrp-jupyter"))
+        # whole texts: for pygls, other characters end lines, too, and it moves the places of changes
+        super().__init__("lrp", version("lrp-jupyter"), lsp.TextDocumentSyncKind.Full)
         self._robot = robot
         self._open: dict[str, ProgramText] = {}
         self._due: set[str] = set()
@@ -78,15 +78,9 @@ class ProgramServer(LanguageServer):
             self._loop = asyncio.get_running_loop()
             self._runs.open(file)
 
-    def changed(self, uri: str, changes: Sequence[lsp.TextDocumentContentChangeEvent], number: int) -> None:
-        """Keep a text after changes, and mark what is found in it soon."""
-        now = self._open[uri]
-        for change in changes:
-            text = change.text
-            if isinstance(change, lsp.TextDocumentContentChangePartial):
-                text = edited(now.text, [Edit(*now.at.span(change.range), change.text)])
-            now = ProgramText(text, number, self._encoding, now.robot)
-        self._open[uri] = now
+    def changed(self, uri: str, text: str, number: int) -> None:
+        """Keep a text after a change, and mark what is found in it soon."""
+        self._open[uri] = ProgramText(text, number, self._encoding, self._open[uri].robot)
         if uri not in self._due:
             self._due.add(uri)
             asyncio.get_running_loop().call_later(_TOGETHER, self.mark, uri)
@@ -134,7 +128,7 @@ class ProgramServer(LanguageServer):
 
 def _file_of(uri: str) -> Path | None:
     path = to_fs_path(uri) if uri.startswith("file:") else None
-    return Path(path) if path else None
+    return Path(path) if path and "\0" not in path else None
 
 
 def language_server(robot: Bridge | None = None) -> ProgramServer:
@@ -154,7 +148,7 @@ def _did_open(server: ProgramServer, asked: lsp.DidOpenTextDocumentParams) -> No
 
 
 def _did_change(server: ProgramServer, asked: lsp.DidChangeTextDocumentParams) -> None:
-    server.changed(asked.text_document.uri, asked.content_changes, asked.text_document.version)
+    server.changed(asked.text_document.uri, asked.content_changes[-1].text, asked.text_document.version)
 
 
 def _did_save(server: ProgramServer, asked: lsp.DidSaveTextDocumentParams) -> None:

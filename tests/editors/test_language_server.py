@@ -151,6 +151,14 @@ def test_the_end_of_a_file_and_of_the_server(editor):
     until(lambda: not lrp.marks.diagnostics)
 
 
+def test_a_change_is_made_where_it_was_typed_whatever_stands_above(editor):
+    lrp = editor()
+    lrp.open("; a page\f and \x0b other \x85 ends \u2028 of lines 🤖\n(machine m (state s) (state t))")
+    lrp.replace("(state t", "(stat t")
+    (error,) = lrp.found()
+    assert lrp.words([error.range]) == ["stat"]
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-32"])
 def test_the_units_that_the_client_counts_are_agreed_on(editor, encoding):
     lrp = editor(encodings=[lsp.PositionEncodingKind(encoding)])

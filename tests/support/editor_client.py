@@ -73,10 +73,12 @@ class EditorClient:
     def change(self, *edits):
         """Change the text, one edit after the other: ``(start, end, new)`` in characters."""
         changes = []
+        in_parts = self.able.text_document_sync.change == lsp.TextDocumentSyncKind.Incremental
         for start, end, new in edits:
             place = lsp.Range(self.position(start), self.position(end))
-            changes.append(lsp.TextDocumentContentChangePartial(place, new))
             self.text = self.text[:start] + new + self.text[end:]
+            part = lsp.TextDocumentContentChangePartial(place, new)
+            changes.append(part if in_parts else lsp.TextDocumentContentChangeWholeDocument(self.text))
         self.version += 1
         document = lsp.VersionedTextDocumentIdentifier(self.version, self.uri)
         self.tell(self.client.text_document_did_change, lsp.DidChangeTextDocumentParams(document, changes))
