@@ -35,6 +35,7 @@ class LiveOffer:
     def __init__(self, session: Session, program: Path) -> None:
         self._session = session
         self._place = new_place(program)
+        self._key = self._place.key  # whose file may be deleted: then nothing is let in
         self._ended = threading.Event()
         self._listener = Listener(self._place.address, backlog=_MOST_EDITORS)
         self._threads = [threading.Thread(target=self._accept, name="lrp editors", daemon=True)]
@@ -74,8 +75,8 @@ class LiveOffer:
             suppress(OSError, EOFError, AuthenticationError, LRPError),
             connection,
         ):  # it has gone, or is none
-            deliver_challenge(connection, self._place.key)
-            answer_challenge(connection, self._place.key)
+            deliver_challenge(connection, self._key)
+            answer_challenge(connection, self._key)
             self._session.ask(do.Call(self._session.interpreter.watch_events))
             while not self._ended.is_set():
                 message = json.dumps(news_of(self._session.frame), ensure_ascii=False).encode(

@@ -24,7 +24,7 @@ class LiveReader:
         self._changed = changed
         self._files: set[Path] = set()
         self._news: dict[Path, dict[LivePlace, LiveNews]] = {}
-        self._heard: set[LivePlace] = set()
+        self._heard: set[tuple[Path, LivePlace]] = set()
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._scanner: threading.Thread | None = None
@@ -53,8 +53,8 @@ class LiveReader:
         while True:
             for file in [*self._files]:
                 for place in reversed(places_of(file)):  # the newest is heard last, and so counts
-                    if place not in self._heard:
-                        self._heard.add(place)
+                    if (file, place) not in self._heard:
+                        self._heard.add((file, place))
                         threading.Thread(
                             target=self._listen, args=(file, place), name="lrp run", daemon=True
                         ).start()
@@ -71,7 +71,7 @@ class LiveReader:
             pass  # it has ended, or has not begun to listen
         finally:
             self._keep(file, place, None)
-            self._heard.discard(place)
+            self._heard.discard((file, place))
 
     def _keep(self, file: Path, place: LivePlace, news: LiveNews | None) -> None:
         with self._lock:

@@ -54,6 +54,19 @@ def test_values_and_active_states_are_shown_while_a_program_runs_and_no_longer(e
     assert [*runtime.iterdir()] == []
 
 
+def test_a_run_is_shown_under_every_name_of_its_file(editor, run, tmp_path):
+    lrp = editor()
+    lrp.path.write_text(COUNT)
+    link = tmp_path / "link.lrp"
+    link.symlink_to(lrp.path)
+    names = [lrp.uri, "file:///no%00file.lrp", link.as_uri()]
+    for lrp.uri in names:
+        lrp.open(COUNT)
+    run(lrp.path)
+    for lrp.uri in (names[0], names[2]):
+        until(lambda: shown(lrp))
+
+
 TWICE = """\
 ; world: none
 (machine blinker (var on := [0]) (state lit (running [on = on + 0])))
@@ -131,6 +144,9 @@ def test_an_editor_that_does_not_read_or_knows_no_key_delays_nothing(tmp_path, r
             stranger.send_bytes(b"x" * 100)
             with pytest.raises((AuthenticationError, EOFError, OSError)):
                 deliver_challenge(stranger, b"a guess")
+        place.key_file.unlink()
+        with pytest.raises((AuthenticationError, EOFError, OSError)):
+            Client(place.address, authkey=b"")
         output, _ = process.communicate(timeout=120)
         assert silent.poll(0)
     assert process.returncode == 0
