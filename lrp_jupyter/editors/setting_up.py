@@ -36,7 +36,7 @@ def _settings(source: str) -> Callable[[Path, str], None]:
         if file.exists():
             raise FileError(f"`{shown(file)}` exists, and is left as it is. Name another folder.")
         text = (_FOLDER / source).read_text("utf-8")
-        write_file(file, text.replace('"lrp"', json.dumps(command), 1))
+        write_file(file, text.replace('"lrp"', json.dumps(command, ensure_ascii=False), 1))
 
     return write
 

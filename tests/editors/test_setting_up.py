@@ -11,6 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from lrp_jupyter.cli.command_line import app
+from lrp_jupyter.editors.setting_up import EDITORS
 
 
 def lrp(*arguments):
@@ -52,3 +53,5 @@ def test_settings_start_this_lrp_and_never_replace_others(tmp_path, name, file):
     refused = lrp("editor", name, tmp_path)
     assert (refused.exit_code, (tmp_path / file).read_text()) == (2, "mine")
     assert "exists" in refused.stderr
+    EDITORS[name].write(tmp_path / "other", "/home/zoë/🤖/lrp")  # which JSON may escape, but not Lua
+    assert '"/home/zoë/🤖/lrp"' in (tmp_path / "other").read_text("utf-8")

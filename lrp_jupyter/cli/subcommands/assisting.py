@@ -28,7 +28,7 @@ def editor(
 ) -> None:
     """Set up an editor for programs: write the file that it needs, and say what to do with it.
 
-    **Exit code**: 0, or 2 when the file exists already or cannot be written.
+    **Exit code**: 0, or 2 when the file cannot be written, or would replace settings of yours.
     """
     from lrp_jupyter.editors.setting_up import set_up
 
