@@ -179,7 +179,8 @@ def _completion(server: ProgramServer, asked: lsp.CompletionParams) -> lsp.Compl
 
 def _item(option: WordOption, index: int, place: lsp.Range, snippets: bool) -> lsp.CompletionItem:
     is_snippet = "$" in option.snippet
-    written = option.snippet if option.snippet and (snippets or not is_snippet) else option.label
+    plain = option.label.replace("…", "")
+    written = option.snippet if option.snippet and (snippets or not is_snippet) else plain
     return lsp.CompletionItem(
         option.label,
         kind=_KINDS.get(option.kind, lsp.CompletionItemKind.Text),

@@ -18,7 +18,7 @@ from lrp_jupyter.language.reading.matching import matched
 from lrp_jupyter.language.resolution import Resolution, resolve
 from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live.running.checking import members_of
-from lrp_jupyter.programs import world_of
+from lrp_jupyter.programs import Heading, heading, world_of
 
 
 class AssumedRobot:
@@ -26,16 +26,16 @@ class AssumedRobot:
 
     def __init__(self, named: Bridge | None, folder: Path | None) -> None:
         self._named, self._folder = named, folder
-        self._heading: str | None = None
+        self._heading: Heading | None = None
         self.bridge: Bridge | None = named
         self.problem = ""  # why the heading names a world that no program may name
         self.members: RobotMembers | None = None if named is None else members_of(named)
 
     def read(self, text: str) -> AssumedRobot:
         """Look for the robot again, if it may be another one."""
-        comments = text.partition("(")[0]
-        if self._named is None and comments != self._heading:
-            self._heading, self.problem = comments, ""
+        found = heading(text)
+        if self._named is None and found != self._heading:
+            self._heading, self.problem = found, ""
             try:
                 world_of(text, self._folder)
             except LRPError as error:

@@ -126,6 +126,13 @@ def test_a_text_that_is_being_written_still_has_its_outline_and_completion(edito
         lrp.ask("rename", lsp.RenameParams, lrp.at("pace"), new_name="speed")
 
 
+def test_an_editor_without_snippets_inserts_what_can_be_read(editor):
+    lrp = editor(capabilities=lsp.ClientCapabilities())
+    lrp.open(PROGRAM)
+    (effect,) = lrp.complete(lrp.at(" lost", 5))
+    assert effect.text_edit.new_text == "(effect [])"
+
+
 def test_a_selection_grows_from_the_word_to_the_text(editor):
     lrp = editor()
     lrp.open(PROGRAM)

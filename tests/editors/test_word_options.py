@@ -43,7 +43,9 @@ def test_the_robot_of_the_program_offers_its_members():
     assert [*offered("(state s (running [robot.odom.|]))")] == ["x", "y", "theta"]
     assert [*offered("(state s (running [robot.move(lambda m: m.linear.|)]))")] == ["x", "y", "z"]
     assert {"linear=", "angular="} <= offered("(state s (running [robot.move(|)]))").keys()
-    assert offered("; world: none\n(state s (running [robot.|]))").keys() == set()
+    for world, has_members in [("line", True), ("none", False)]:
+        text = f"; mine (the second)\n; world: {world}\n(state s (running [robot.|]))"
+        assert bool(offered(text)) is has_members
 
 
 @pytest.mark.parametrize(
