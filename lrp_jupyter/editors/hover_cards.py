@@ -12,7 +12,6 @@ from lrp_jupyter.editors.python_options import doc_of, signature_of
 from lrp_jupyter.editors.word_context import context_at
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.blocks.builtin_names import TIME_TEXTS, builtin
-from lrp_jupyter.language.edits.form_places import WrittenForm
 from lrp_jupyter.language.edits.rename import Symbol
 from lrp_jupyter.language.form_texts import form_texts
 from lrp_jupyter.language.lookup import definition_of
@@ -34,7 +33,7 @@ def _about(text: ProgramText, offset: int) -> tuple[list[str], tuple[int, int]]:
     symbol = text.symbol(offset)
     if symbol is not None:
         return [_named(text, symbol)], text.span(symbol, offset)
-    keyword_span = _keyword_at(text.root.around(offset)[-1], text.text, offset)
+    keyword_span = _keyword_at(text, offset)
     if keyword_span is not None:
         form = form_texts()[text.text[slice(*keyword_span)]]
         return [_code(form.usage) + form.doc], keyword_span
@@ -47,17 +46,10 @@ def _about(text: ProgramText, offset: int) -> tuple[list[str], tuple[int, int]]:
     return [*_python(text, chain)], span
 
 
-def _keyword_at(form: WrittenForm, text: str, offset: int) -> tuple[int, int] | None:
-    """Return where a keyword of a form is that an offset touches."""
-    heads = [form, *form.forms]
-    spans = [
-        (each.start + text[each.start :].index(each.keyword), each.keyword)
-        for each in heads
-        if each.keyword in form_texts() and each.start <= offset
-    ]
-    spans += [(item[1], "for") for item in form.items if isinstance(item, tuple) and item[0] == "FOR"]
-    found = ((start, start + len(word)) for start, word in spans)
-    return next((span for span in found if span[0] <= offset <= span[1]), None)
+def _keyword_at(text: ProgramText, offset: int) -> tuple[int, int] | None:
+    """Return where a keyword is that an offset touches."""
+    spans = ((start, end) for kind, start, end in text.parts if kind in ("KEYWORD", "FOR"))
+    return next((span for span in spans if span[0] <= offset <= span[1]), None)
 
 
 def _named(text: ProgramText, symbol: Symbol) -> str:

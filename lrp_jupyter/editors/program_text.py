@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from lrp_jupyter.language.edits.rename import Mention, Symbol, symbols
 from lrp_jupyter.language.parser import scan, sketch
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.language.reading.matching import matched
+from lrp_jupyter.language.reading.tokens import Token, coloured_parts
 from lrp_jupyter.language.resolution import Resolution, resolve
 from lrp_jupyter.language.robot_members import RobotMembers
 from lrp_jupyter.live.running.checking import members_of
@@ -79,9 +81,19 @@ class ProgramText:
         return resolve(self.sketched)
 
     @cached_property
+    def tokens(self) -> list[Token]:
+        """Its tokens, with brackets that match."""
+        return matched(self.text)
+
+    @property
+    def parts(self) -> Iterator[Token]:
+        """Its tokens as they are coloured."""
+        return coloured_parts(self.text, self.tokens)
+
+    @cached_property
     def root(self) -> WrittenForm:
         """The forms of the text; those that are not closed end where they probably do."""
-        return Sheet(self.text, matched(self.text)).root
+        return Sheet(self.text, self.tokens).root
 
     @cached_property
     def symbols(self) -> tuple[list[Symbol], list[Mention]]:

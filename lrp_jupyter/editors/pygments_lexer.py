@@ -12,10 +12,10 @@ from pygments.lexer import Lexer
 from pygments.lexers.python import PythonLexer
 from pygments.token import Comment, Keyword, Name, Number, Operator, Punctuation, Whitespace, _TokenType
 
-from lrp_jupyter.language.reading.tokens import KEYWORDS, NAMED, keyword_of, tokenize
+from lrp_jupyter.language.reading.tokens import coloured_parts, tokenize
 
 _MAGIC = re.compile(r"%%lrp\b[^\r\n]*")
-_GAP = re.compile(r"(?P<comment>[;#][^\r\n]*)|[^;#]+")
+_GAP = re.compile(r"\(|[^(]+")
 _DEFINED = {
     "machine": Name.Namespace,
     "state": Name.Class,
@@ -23,9 +23,6 @@ _DEFINED = {
     "var": Name.Variable,
 }
 _TYPES = {
-    "CLOSE": Punctuation,
-    "LBRACE": Punctuation,
-    "RBRACE": Punctuation,
     "DOT": Operator,
     "ARROW": Operator,
     "ASSIGN": Operator,
@@ -33,6 +30,7 @@ _TYPES = {
     "MINUS": Operator,
     "INTEGER": Number.Integer,
     "FOR": Keyword,
+    "KEYWORD": Keyword,
     "COMMENT": Comment.Single,
 }
 
@@ -55,41 +53,28 @@ class LRPLexer(Lexer):
             begin = magic.end()
             yield 0, Comment.Preproc, magic[0]
         program = text[begin:]
-        end, before = 0, ""
-        for kind, start, stop in tokenize(program):
-            yield from _gap(program, begin, end, start)
-            word = keyword_of(program, (kind, start, stop)) if kind == "OPEN" else ""
-            for offset, type_, part in _coloured(program, kind, start, stop, word, before):
-                yield begin + offset, type_, part
-            end, before = stop, word
-        yield from _gap(program, begin, end, len(program))
+        end, before = 0, ""  # `before`: the keyword of a form, until something follows
+        for kind, start, stop in coloured_parts(program, tokenize(program)):
+            for gap in _GAP.finditer(program, end, start):
+                yield begin + gap.start(), Punctuation if gap[0] == "(" else Whitespace, gap[0]
+            for offset, type_, part in _coloured(program[start:stop], kind, before):
+                yield begin + start + offset, type_, part
+            end = stop
+            if kind != "COMMENT":
+                before = program[start:stop] if kind == "KEYWORD" else ""
 
 
-def _gap(program: str, begin: int, start: int, stop: int) -> _Coloured:
-    """Yield what stands between two tokens: comments and white space."""
-    for match in _GAP.finditer(program, start, stop):
-        yield begin + match.start(), Comment.Single if match["comment"] else Whitespace, match[0]
-
-
-def _coloured(program: str, kind: str, start: int, stop: int, word: str, before: str) -> _Coloured:
+def _coloured(text: str, kind: str, before: str) -> _Coloured:
     """Yield a token in its parts; `before`: the keyword of the form that begins directly before it."""
-    text = program[start:stop]
-    if kind == "OPEN":
-        yield start, Punctuation, "("
-        rest = stop - len(word) if word else stop
-        yield from _gap(program, 0, start + 1, rest)
-        if word:
-            yield rest, Keyword if word in KEYWORDS else Name, word
-    elif kind in ("BLOCK", "UNCLOSED", "UNOPENED"):
+    if kind in ("BLOCK", "UNCLOSED", "UNOPENED"):
         first, last = text.startswith("["), kind != "UNCLOSED" and len(text) > 1
         if first:
-            yield start, Punctuation, "["
+            yield 0, Punctuation, "["
         inside = text[first : len(text) - last]
         for offset, type_, part in PythonLexer().get_tokens_unprocessed(inside):
-            yield start + first + offset, type_, part
+            yield first + offset, type_, part
         if last:
-            yield stop - 1, Punctuation, "]"
-    elif kind == "NAME":
-        yield start, _DEFINED[before] if before in NAMED else Name, text
-    else:
-        yield start, _TYPES.get(kind, Punctuation), text
+            yield len(text) - 1, Punctuation, "]"
+    elif text:
+        other = _DEFINED.get(before, Name) if kind == "NAME" else Punctuation
+        yield 0, _TYPES.get(kind, other), text

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from lrp_jupyter.editors.program_text import ProgramText
 from lrp_jupyter.language.blocks.builtin_names import PROVIDED, TIMES
-from lrp_jupyter.language.edits.form_places import WrittenForm
 from lrp_jupyter.language.python.scanner import LINE_END, strings
 
 KINDS = (
@@ -31,8 +30,9 @@ _OF_TOKENS = {
     "ASSIGN": "operator",
     "STAR": "operator",
     "FOR": "keyword",
+    "KEYWORD": "keyword",
+    "COMMENT": "comment",
 }
-_COMMENT = re.compile(r"[;#][^\r\n]*")
 _PYTHON = re.compile(
     r"(?P<comment>#[^\r\n]*)|(?P<number>\b\d[\w.]*)|(?P<word>[^\W\d]\w*(?:\.[^\W\d]\w*)*)", re.UNICODE
 )
@@ -50,7 +50,7 @@ class ColouredWord(NamedTuple):
 def words(text: ProgramText) -> list[ColouredWord]:
     """Return the words of a text that have a colour, in order; none is in another one."""
     named = sorted(_named(text))
-    found = [*named, *(part for word in _written(text, text.root) for part in _around(word, named))]
+    found = [*named, *(part for word in _written(text) for part in _around(word, named))]
     return [part for word in sorted(found) for part in _lines(text.text, word)]
 
 
@@ -93,30 +93,13 @@ def _named(text: ProgramText) -> Iterator[ColouredWord]:
                 yield ColouredWord(*span, _OF_ELEMENTS[symbol.element.kind])
 
 
-def _written(text: ProgramText, form: WrittenForm) -> Iterator[ColouredWord]:
-    """Yield the words of a form that are no names: keywords, signs, comments, and the Python of blocks."""
-    source, at = text.text, form.start
-    if form is not text.root:
-        head = source.find(form.keyword, form.start) + len(form.keyword)
-        if form.keyword:
-            yield ColouredWord(head - len(form.keyword), head, "keyword")
-        yield from _comments(source, form.start, head)
-        at = head
-    for item in form.items:
-        start, end = (item.start, item.end) if isinstance(item, WrittenForm) else item[1:]
-        yield from _comments(source, at, start)
-        at = end
-        if isinstance(item, WrittenForm):
-            yield from _written(text, item)
-        elif item[0] in ("BLOCK", "UNCLOSED", "UNOPENED"):
-            yield from _in_block(source, start, end)
-        elif item[0] in _OF_TOKENS:
-            yield ColouredWord(start, end, _OF_TOKENS[item[0]])
-    yield from _comments(source, at, form.end)
-
-
-def _comments(text: str, start: int, end: int) -> Iterator[ColouredWord]:
-    return (ColouredWord(*found.span(), "comment") for found in _COMMENT.finditer(text, start, end))
+def _written(text: ProgramText) -> Iterator[ColouredWord]:
+    """Yield the words of a text that are no names: keywords, signs, comments, and the Python of blocks."""
+    for kind, start, end in text.parts:
+        if kind in _OF_TOKENS:
+            yield ColouredWord(start, end, _OF_TOKENS[kind])
+        elif kind in ("BLOCK", "UNCLOSED", "UNOPENED"):
+            yield from _in_block(text.text, start, end)
 
 
 def _in_block(text: str, start: int, end: int) -> Iterator[ColouredWord]:

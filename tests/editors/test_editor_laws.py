@@ -115,6 +115,13 @@ def test_python_in_a_block_has_colours():
         assert expected in found
 
 
+def test_a_keyword_is_not_looked_for_in_the_comment_before_it():
+    text = text_of("(; on\n on x s -> t)")
+    assert decoded(text) == [("; on", "comment"), ("on", "keyword"), ("->", "operator")]
+    assert "Leads to another state" not in card(text, 4)[0]
+    assert "Leads to another state" in card(text, 8)[0]
+
+
 @given(
     st.lists(
         st.lists(st.sampled_from("abc"), min_size=1, max_size=4), min_size=1, max_size=4, unique_by=tuple

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from lrp_jupyter.language.python.scanner import block_end, brackets, line_end
@@ -40,6 +40,7 @@ _TOKEN = re.compile(
 )
 FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
 _SPECIAL = frozenset({"OTHER", "STRAY", "FOR"})
+_REMARK = re.compile(r"[;#][^\r\n]*")
 _ARROW = re.compile(rf"{_SKIP}->")
 _TRIGGERS = (("NAME",), ("BLOCK",), ("NAME", "DOT", "NAME"))
 _HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
@@ -122,6 +123,23 @@ def keyword_of(text: str, token: Token) -> str:
         return word
     match = _TOKEN.match(text, token[1])
     return (match and match["KEYWORD"]) or ""
+
+
+def coloured_parts(text: str, tokens: Sequence[Token]) -> Iterator[Token]:
+    """Yield the tokens of a text as they are coloured, some of them empty, with the comments between them.
+
+    Instead of an ``OPEN`` there is its ``KEYWORD``, or the ``NAME`` that stands there.
+    """
+    before = 0
+    for token in [*tokens, ("END", len(text), len(text))]:
+        kind, start, end = token
+        if kind == "OPEN":
+            word = keyword_of(text, token)
+            kind, start = "KEYWORD" if word in KEYWORDS else "NAME", end - len(word)
+        for found in _REMARK.finditer(text, before, start):
+            yield "COMMENT", *found.span()
+        yield kind, start, end
+        before = end
 
 
 def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
