@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.editors.program_text import ProgramText
 from lrp_jupyter.editors.python_options import doc_of, signature_of
+from lrp_jupyter.editors.semantic_colours import words
 from lrp_jupyter.editors.word_context import context_at
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.blocks.builtin_names import TIME_TEXTS, builtin
@@ -37,13 +38,18 @@ def _about(text: ProgramText, offset: int) -> tuple[list[str], tuple[int, int]]:
     if keyword_span is not None:
         form = form_texts()[text.text[slice(*keyword_span)]]
         return [_code(form.usage) + form.doc], keyword_span
-    begun = _LEFT.search(text.text, max(0, offset - 200), offset)[0].lstrip(".0123456789")  # type: ignore[index]
+    begun = _LEFT.search(text.text, max(0, offset - 200), offset)[0]  # type: ignore[index]
     chain = begun + _RIGHT.match(text.text, offset)[0]  # type: ignore[index]
     start = offset - len(begun)
     span = (start, start + len(chain))
-    if not chain or context_at(text.text, text.root, text.names, offset).wanted != "python":
-        return [], span
-    return [*_python(text, chain)], span
+    is_python = chain and context_at(text.text, text.root, text.names, offset).wanted == "python"
+    return [*_python(text, chain)] if is_python and not _is_quoted(text, offset) else [], span
+
+
+def _is_quoted(text: ProgramText, offset: int) -> bool:
+    """Return whether an offset is in a comment, or in a string that may not contain Python."""
+    found = (word for word in words(text) if word.start <= offset < word.end)
+    return any(each.kind in ("comment", "string") and text.text[each.start - 1] not in "fF" for each in found)
 
 
 def _keyword_at(text: ProgramText, offset: int) -> tuple[int, int] | None:

@@ -280,9 +280,7 @@ def _actions(server: ProgramServer, asked: lsp.CodeActionParams) -> list[lsp.Cod
 
 
 def _is_kind(kind: Any, wanted: str) -> bool:
-    name = str(getattr(kind, "value", kind))
-    wanted = str(getattr(wanted, "value", wanted))
-    return not wanted or f"{name}.".startswith(f"{wanted}.")
+    return not wanted or (kind + ".").startswith(wanted + ".")  # f"{kind}" would be its name in Python
 
 
 def _resolve_action(server: ProgramServer, action: lsp.CodeAction) -> lsp.CodeAction:

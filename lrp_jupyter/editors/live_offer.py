@@ -71,17 +71,13 @@ class LiveOffer:
 
     def _tell(self, connection: Connection) -> None:
         last = b""
-        with (
-            suppress(OSError, EOFError, AuthenticationError, LRPError),
-            connection,
-        ):  # it has gone, or is none
+        with suppress(OSError, EOFError, AuthenticationError, LRPError), connection:  # it may go at any time
             deliver_challenge(connection, self._key)
             answer_challenge(connection, self._key)
             self._session.ask(do.Call(self._session.interpreter.watch_events))
             while not self._ended.is_set():
-                message = json.dumps(news_of(self._session.frame), ensure_ascii=False).encode(
-                    errors="replace"
-                )
+                news = json.dumps(news_of(self._session.frame), ensure_ascii=False)
+                message = news.encode(errors="replace")
                 if message != last:
                     connection.send_bytes(message)
                     last = message

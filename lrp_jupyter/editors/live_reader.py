@@ -39,7 +39,7 @@ class LiveReader:
         self._wake.set()
 
     def close(self, file: Path) -> None:
-        """Look for no more runs of a file."""
+        """Stop looking for runs of a file."""
         with self._lock:
             self._files.discard(file)
 

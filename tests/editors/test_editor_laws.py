@@ -122,6 +122,23 @@ def test_a_keyword_is_not_looked_for_in_the_comment_before_it():
     assert "Leads to another state" in card(text, 8)[0]
 
 
+@pytest.mark.parametrize(
+    ("code", "is_known"),
+    [
+        ("pr|int(1)", True),
+        ("x().pr|int", False),
+        ("1.re|al", False),
+        ("'pr|int'", False),
+        ("1 # pr|int\n", False),
+        ("f'{pr|int}'", True),
+    ],
+)
+def test_a_word_of_python_is_explained_where_it_means_that(code, is_known):
+    text = f"(machine m (state s (running [{code}])))"
+    found = card(text_of(text.replace("|", "")), text.index("|"))
+    assert bool(found and "```python" in found[0]) is is_known
+
+
 @given(
     st.lists(
         st.lists(st.sampled_from("abc"), min_size=1, max_size=4), min_size=1, max_size=4, unique_by=tuple
