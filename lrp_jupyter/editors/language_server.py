@@ -68,8 +68,8 @@ class ProgramServer(LanguageServer):
         """Return an open text."""
         return self._open[document.uri]
 
-    def opened(self, uri: str, text: str, number: int) -> None:
-        """Keep a text that was opened, and mark what is found in it."""
+    def opened(self, uri: str, text: str, number: int | None) -> None:
+        """Keep a text that was opened or saved, and mark what is found in it."""
         file = _file_of(uri)
         robot = AssumedRobot(self._robot, file and file.parent)
         self._open[uri] = ProgramText(text, number, self._encoding, robot)
@@ -153,9 +153,7 @@ def _did_change(server: ProgramServer, asked: lsp.DidChangeTextDocumentParams) -
 
 def _did_save(server: ProgramServer, asked: lsp.DidSaveTextDocumentParams) -> None:
     text = server.text(asked.text_document)
-    text.robot.forget()
-    text.__dict__.pop("findings", None)
-    server.mark(asked.text_document.uri)
+    server.opened(asked.text_document.uri, text.text, text.version)  # its world may be another one now
 
 
 def _did_close(server: ProgramServer, asked: lsp.DidCloseTextDocumentParams) -> None:

@@ -46,10 +46,6 @@ class AssumedRobot:
             self.members = None if self.bridge is None else members_of(self.bridge)
         return self
 
-    def forget(self) -> None:
-        """Read its world again when it is needed."""
-        self._heading = None
-
 
 class ProgramText:
     """One version of a text."""

@@ -1,5 +1,8 @@
 """What an editor shows and does, asked of a real server as editors do."""
 
+import subprocess
+import sys
+
 import pytest
 from lsprotocol import types as lsp
 from pygls.exceptions import JsonRpcException
@@ -187,6 +190,16 @@ def test_a_world_that_no_program_may_name_is_marked_where_it_stands(editor):
     assert "only `--world` chooses another file" in error.message
     lrp.replace("../secret.json", "maze")
     assert lrp.found() == ()
+
+
+def test_a_program_that_is_saved_is_checked_for_the_world_that_its_file_now_has(editor, tmp_path):
+    lrp = editor()
+    lrp.open(PROGRAM.replace("world: line", "world: mine.json").replace("linear=", "liner="))
+    assert lrp.codes() == []
+    command = [sys.executable, "-m", "lrp_jupyter", "worlds", "--json", "line"]
+    (tmp_path / "mine.json").write_bytes(subprocess.run(command, stdout=subprocess.PIPE).stdout)
+    lrp.save()
+    until(lambda: lrp.codes() == ["LRP521"])
 
 
 def test_findings_are_for_the_robot_that_is_named(editor):
