@@ -57,7 +57,7 @@ def fixes(uri: str, text: ProgramText, start: int, end: int) -> Iterator[lsp.Cod
                 yield lsp.CodeAction(fix.title, QUICK, diagnostics=mark, is_preferred=certain, edit=edit)
     count = sum(finding.fix is not None for finding in text.findings)
     if count:
-        yield lsp.CodeAction("Fix all that is certain", ALL, data={"uri": uri})  # made when it is chosen
+        yield lsp.CodeAction("Apply all certain fixes", ALL, data={"uri": uri})  # made when it is chosen
 
 
 def fix_all(uri: str, text: ProgramText) -> lsp.WorkspaceEdit:

@@ -36,7 +36,7 @@ def test_a_program_with_errors_is_corrected_explored_and_renamed_from_an_editor(
     assert lrp.codes() == ["LRP521", "LRP303"]
 
     everything = lrp.actions(lrp.at("(var"), lrp.at("(var"), [lsp.CodeActionKind.Source])
-    assert [each.title for each in everything] == ["Fix all that is certain"]
+    assert [each.title for each in everything] == ["Apply all certain fixes"]
     lrp.apply(lrp.do(lrp.client.code_action_resolve_async(everything[0])).edit)
     assert lrp.codes() == []
     assert "angular=1" in lrp.text
