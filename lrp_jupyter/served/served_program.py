@@ -24,6 +24,7 @@ class ServedProgram(PageConnection):
     `text`: of the program, which need not be valid.
     `path`: of its file; None for a bundled program, whose text is kept nowhere.
     `follows`: whether a change of the file is an edit; else the pages ask what to do with it.
+    `read_only`: whether pages only look; then nothing is written, and nothing asked.
     """
 
     def __init__(
@@ -31,11 +32,10 @@ class ServedProgram(PageConnection):
     ) -> None:
         texts = Texts("file")
         self.file = None if path is None else ProgramFile(path)
-        saver = Saver(texts, self.file)
+        saver = Saver(texts, None if read_only else self.file)
         saver.follows = follows
         beside = Path() if path is None else path.parent
-        if self.file is not None:
-            saver.first_texts(text)
+        saver.first_texts(text)
         super().__init__(session, saver, beside=beside)
         self.read_only = _READ_ONLY if read_only else ""
         if text != texts.text:
@@ -46,7 +46,10 @@ class ServedProgram(PageConnection):
         if self.file is None or self.file.read_again() != saved:  # it is being written: there will be another
             return False
         before = self.texts.revision
-        self.saver.look()
+        if self.read_only:
+            self.texts.follow(saved)
+        else:
+            self.saver.look()
         return self.texts.revision != before
 
     def change_bridge(self, bridge: str | Bridge, **options: Any) -> None:

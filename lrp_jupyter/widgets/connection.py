@@ -137,7 +137,7 @@ class PageConnection:
                 self.session.looked(message.what, message.about, message.on)
             elif isinstance(message, TextMessage):
                 self._type(message)
-            elif isinstance(message, CursorMessage):
+            elif isinstance(message, CursorMessage) and not self.read_only:  # an edit would wait for it
                 self.texts.move_cursor(
                     message.view,
                     message.seq,

@@ -290,6 +290,30 @@ def test_pages_that_only_look_change_nothing(serve, tmp_path):
     assert not (tmp_path / "stolen").exists()
 
 
+def test_pages_that_only_look_are_asked_nothing_and_hold_nothing_up(serve, tmp_path):
+    file, broken = tmp_path / "my.lrp", COUNT.replace("n + 1", "n +")
+    run = serve(text=broken)
+    with run.visitor() as page:
+        page.type([len(broken), [0, "(mach"]])
+        until(lambda: "(mach" in (tmp_path / ".lrp" / "my.versions").read_text())
+    run.process.kill()
+    run.process.wait()
+    before = (tmp_path / ".lrp" / "my.versions").read_text()
+    file.write_text(COUNT)
+    with serve("--read-only", file=file).visitor() as page:
+        file.write_text(COUNT.replace("n + 1", "n + 3"))
+        assert page.snapshot["frame"]["conflict"] is None
+        frame = page.get("frame", lambda frame: frame.get("conflict") or frame.get("tick", 0) > 25)
+        assert frame.get("conflict") is None, "the file would have been looked at every second"
+    with serve("--read-only", "--watch", file=file).visitor() as page:
+        at = COUNT.index(" + 1")
+        page.say("cursor", seq=0, revision=page.revision, selection=[at + 1, at + 1], meant=False)
+        assert page.ask("versions")["error"] is None
+        file.write_text(file.read_text().replace("n + 3", "nn + 3"))
+        assert page.get("answer", lambda answer: answer["updates"])["half_typed"] is False
+    assert (tmp_path / ".lrp" / "my.versions").read_text() == before
+
+
 VALUES = {"bool": True, "str": "a", "list": [[0.0, 0.0]], "tuple": [0.0, 0.0, 0.0], "float": 1.0, "int": 1}
 
 
