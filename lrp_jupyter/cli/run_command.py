@@ -330,7 +330,7 @@ class _Run:
             if wanted.watch and self.source.path is not None:
                 stack.callback(Watch(self.source.path, self.source.text, self._saved.put).close)
             if program is None:
-                self._differs = "The file on disk does not run: it has errors."
+                self._differs = "The file on disk does not run: it has errors." if wanted.watch else ""
             else:
                 self._print_findings(program.text, session.check(program))
             self._print_link()
@@ -366,14 +366,14 @@ class _Run:
             return
         show = partial(self._output, plain_console(stderr=self.wanted.trace == "-").print)
         show(f"The page of this run: {self._page.link}")
-        if self.source.path is None:
-            show(
-                "The program is a bundled one, so what is typed there ends with the run. Save… writes a file."
-            )
+        looks = self.wanted.read_only
+        if self.source.path is None and not looks:
+            show("The program is not in a file, so what is typed there ends with the run. Save… writes one.")
         if self._page.is_open:
+            then = "see the page, too" if looks else "do whatever you can do on this computer"
             show(
-                "Others on the network can read this link when it is opened, and then do whatever you can do"
-                " on this computer. `--certificate FILE` encrypts the page."
+                f"Others on the network can read this link when it is opened, and then {then}."
+                " `--certificate FILE` encrypts the page."
             )
 
     def _must_end(self) -> bool:
@@ -588,7 +588,8 @@ class _Run:
 
     def _apply(self, text: str) -> None:
         if self._page is not None and not self._page.program.look(text):
-            return  # a page has written it
+            self._differs = ""  # a page has written it
+            return
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         self._differs = "" if program else "The file on disk is not what runs: it has errors."

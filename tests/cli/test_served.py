@@ -361,6 +361,26 @@ def test_the_board_says_that_a_page_has_disarmed_the_robot(terminal, program, tm
     assert shown.end() == 0
 
 
+@pytest.mark.parametrize("options", [["--watch"], []])
+def test_the_board_says_no_more_that_a_file_does_not_run_once_a_page_has_corrected_it(
+    terminal, program, options
+):
+    shown = terminal("run", program(COUNT.replace("n + 1", "n +")), "--serve", "0", *options)
+    run = ServedRun(shown.process, SimpleNamespace(read_text=shown.read))
+    with run.visitor() as page:
+        assert page.replace("n +]", "n + 1]")["accepted"]
+        until(lambda: "does not run" not in next_board(shown), lambda: shown.text)
+    shown.press("q")
+    assert shown.end() == 0
+
+
+def next_board(shown):
+    """What is drawn from the end of one board to that of another."""
+    shown.text = ""
+    until(lambda: shown.read().count("space: pause") > 1)
+    return shown.text.split("space: pause")[1]
+
+
 # -- the file -----------------------------------------------------------------------------------------
 
 
@@ -420,7 +440,7 @@ def test_a_file_that_is_no_program_yet_is_corrected_in_the_page(serve):
 
 def test_a_bundled_program_is_kept_nowhere(serve, tmp_path):
     run = serve(file="stopwatch")
-    run.says("The program is a bundled one, so what is typed there ends with the run.")
+    run.says("The program is not in a file, so what is typed there ends with the run. Save… writes one.")
     with run.visitor() as page:
         assert page.about["file"] == ""
         page.type([[0, "; mine", ""], len(page.snapshot["text"])])
@@ -493,7 +513,7 @@ def test_a_token_of_ones_own_is_neither_printed_nor_known_to_the_program_and_out
 @pytest.mark.parametrize("at", ["0.0.0.0:0", "[::]:0"])
 def test_a_page_for_others_that_is_not_encrypted_says_so(serve, at):
     run = serve(at=at)
-    run.says("Others on the network can read this link")
+    run.says("Others on the network can read this link when it is opened, and then do whatever you can do")
     with socket.create_connection(("127.0.0.1", int(run.place.rpartition(":")[2]))):
         pass
 
