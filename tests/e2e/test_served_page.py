@@ -22,7 +22,7 @@ DRIVE = """\
   (state drive (running [robot.move(angular=0.5)] [n = n + 1])))
 (spawn m drive)
 """
-AWAY = "The robot's computer does not answer. The program runs on there. Trying again …"
+AWAY = "The robot's computer does not answer. The program may be running there. Trying again …"
 
 
 @pytest.fixture
@@ -97,6 +97,17 @@ def test_a_person_types_while_the_robot_drives_and_another_one_sees_it(serve, vi
     assert lab.text == other.text == (tmp_path / "my.lrp").read_text()
     lab.do("run")
     other.ready()
+
+
+def test_one_page_too_many_says_so_and_goes_on_once_another_one_is_closed(serve, visit):
+    run = serve()
+    with ExitStack() as pages:
+        for _ in range(16):
+            pages.enter_context(run.visitor())
+        lab = visit(run.link)
+        lab.says("Too many pages are open. Close one of them, and this one goes on.")
+    lab.ready()
+    lab.says_nothing()
 
 
 def test_what_is_typed_while_the_network_is_cut_is_merged_when_it_is_back(serve, visit):

@@ -10,15 +10,14 @@ import { type About, RunSocket } from "./socket";
 const TOKEN = "lrp-token"; // in this tab's storage
 const NO_TOKEN =
   "Open the link that `lrp run` has printed: it ends with a token, without which nothing is shown.";
-const AWAY = "The robot's computer does not answer. The program runs on there. Trying again …";
+const AWAY = "The robot's computer does not answer. The program may be running there. Trying again …";
 const WORDS: Record<number, string> = {
   1009: "What was sent from this page is too large, so its connection was ended. Load it again.",
   4400: "This page is not of the version that runs. Load it again.",
   4401: "This link is not the one of the present run. Open the link that `lrp run` has printed.",
   4408: "This page has sent too much in a short time, so its connection was ended. Load it again.",
   4410: "The run has ended. This is how it was at the end.",
-  4429: "Too many wrong links were opened on this computer. Load the page again in a minute.",
-  4503: "Too many pages are open. Close one of them, then load this one again.",
+  4503: "Too many pages are open. Close one of them, and this one goes on.",
 };
 
 /** The token of the link, which leaves the address bar; or the one of this tab. */

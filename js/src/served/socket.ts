@@ -19,7 +19,7 @@ interface Told {
   here(about: About): void;
   /** The connection is lost, and tried again. */
   away(): void;
-  /** This page is refused, or the run has ended; `code` says which. */
+  /** This page is refused, perhaps for now, or the run has ended; `code` says which. */
   over(code: number): void;
   /** Something that was done here has not reached the run. */
   missed(): void;
@@ -115,7 +115,7 @@ export class RunSocket {
     this.asked.clear();
     this.isOver = isFinal(code);
     this.hasEnded ||= code === ENDED;
-    if (this.isOver || code === ENDED) this.told.over(code);
+    if (this.isOver || code >= 4400) this.told.over(code);
     else if (!this.hasEnded) this.told.away();
     if (this.isOver) return;
     this.retry = setTimeout(() => this.open(), this.wait * (0.75 + Math.random() / 2)); // not all pages at once
