@@ -62,7 +62,10 @@ class Doorway:
     def _addresses(self) -> list[str]:
         if not self.host:
             return list(_LOOPBACK)
-        found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        try:
+            found = socket.getaddrinfo(self.host, self.port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        except UnicodeError:
+            raise OSError("It is not the name of a computer.") from None
         return list(dict.fromkeys(str(address[0]) for *_, address in found))
 
     def _error(self, error: OSError) -> LRPError:

@@ -21,7 +21,6 @@ from functools import partial
 from http import HTTPStatus
 from pathlib import Path
 from typing import ClassVar, Self
-from urllib.parse import urlsplit
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
@@ -30,7 +29,6 @@ from websockets.http11 import Request, Response
 from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.files import shown
 from lrp_jupyter.served import page_files
-from lrp_jupyter.served.allowance import Allowance
 from lrp_jupyter.served.doorway import Doorway, calls_us, is_loopback
 from lrp_jupyter.served.page_visit import LARGEST, Closing, PageVisit
 from lrp_jupyter.served.served_program import ServedProgram
@@ -39,8 +37,6 @@ _SOCKET = "/socket"
 _FIRST_WORDS = 10.0  # s in which a page shows the token
 _ALIVE = 10.0  # s from one sign of life of a page to the next
 _MOST_PAGES, _MOST_CONNECTIONS = 16, 32
-_WRONG_TOKENS = 0.1, 5.0  # of one computer: a second, and at once
-_MOST_COMPUTERS = 1000  # that are remembered for wrong tokens
 _SILENT = logging.Logger("lrp page", logging.CRITICAL + 1)  # a message may have the token
 
 
@@ -71,7 +67,6 @@ class PageServer:
         self._names = self._doorway.names
         self._owners: dict[str, PageVisit] = {}
         self._visits: set[PageVisit] = set()
-        self._wrong: dict[str, Allowance] = {}  # tokens, by address
         self._ready: Future[None] = Future()
         self._thread = threading.Thread(target=self._run, name="lrp page", daemon=True)
 
@@ -132,6 +127,8 @@ class PageServer:
             self._ready.set_result(None)
             await self._ended.wait()
             await asyncio.gather(*(visit.end() for visit in self._visits))
+            for spare in [*_CountedConnection.known]:  # as browsers keep them, for what they ask next
+                spare.transport.abort()
 
     def _request(self, connection: ServerConnection, request: Request) -> Response | None:
         """Answer a request for a file; None for one of a WebSocket that may be opened."""
@@ -143,7 +140,7 @@ class PageServer:
             )
         if request.path.partition("?")[0] != _SOCKET:
             return page_files.answer(request)
-        if len(origins) != 1 or urlsplit(origins[0]).netloc != called:
+        if len(origins) != 1 or origins[0].partition("://")[2] != called:
             return page_files.plain_answer(HTTPStatus.FORBIDDEN, "Only the page of this run is answered.")
         return None
 
@@ -172,18 +169,12 @@ class PageServer:
 
     async def _refusal(self, socket: ServerConnection) -> Closing | None:
         """Return why a page is not answered."""
-        address = str(socket.remote_address[0])
-        if address in self._wrong and self._wrong[address].left < 1:
-            return Closing.TOO_OFTEN
         try:
             token = await asyncio.wait_for(socket.recv(), _FIRST_WORDS)
         except TimeoutError:
             token = ""
         given = token.encode() if isinstance(token, str) else token
         if not hmac.compare_digest(given, self._token.encode()):
-            if len(self._wrong) >= _MOST_COMPUTERS:
-                self._wrong.clear()
-            self._wrong.setdefault(address, Allowance(*_WRONG_TOKENS)).take()
             return Closing.NO_TOKEN
         return Closing.FULL if len(self._visits) >= _MOST_PAGES else None
 

@@ -36,7 +36,6 @@ class Closing(IntEnum):
     NO_TOKEN = 4401
     TOO_MUCH = 4408
     ENDED = 4410
-    TOO_OFTEN = 4429
     FULL = 4503
 
 
