@@ -42,10 +42,10 @@ class _Document:
             self._connection.texts.reconcile(text)
 
     def _send(self) -> None:
-        """Send the lab's text to the page, if that has another."""
+        """Send the lab's text to the page, if that has another, and its user is not asked which to keep."""
         texts = self._connection.texts
         with texts.lock:
-            if texts.text != self._text:
+            if texts.text != self._text and all(each.source != "cell" for each in texts.conflicts):
                 self._text = texts.text
                 texts.put_into_cell(self._text)
                 self._lab.send({"text": self._text})
