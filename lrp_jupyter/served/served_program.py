@@ -38,6 +38,7 @@ class ServedProgram(PageConnection):
         saver.first_texts(text)
         super().__init__(session, saver, beside=beside)
         self.read_only = _READ_ONLY if read_only else ""
+        self.looking.pauses = not read_only
         if text != texts.text:
             texts.write(text)
 

@@ -294,6 +294,8 @@ def test_pages_that_only_look_change_nothing(serve, tmp_path):
         assert page.get("snapshot")["text"] == COUNT
         assert page.ask("why", kind="state", path="m/a")["error"] is None
         assert page.do("look", tick=1) is None
+        ago = page.get("frame", lambda frame: frame.get("looking"))["looking"]["ago"]
+        page.get("frame", lambda frame: frame.get("looking", {}).get("ago", 0) > ago)  # so the run goes on
         assert page.do("look") is None
     assert (tmp_path / "my.lrp").read_text() == COUNT
     assert not (tmp_path / "stolen").exists()

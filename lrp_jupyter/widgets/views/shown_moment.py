@@ -1,7 +1,7 @@
 """The earlier moment that all views of a session show while a person looks at it.
 
-A simulated robot pauses meanwhile; a real one is not affected, and its program continues. Any command that
-makes a simulated robot move again returns the views to the present.
+A simulated robot pauses meanwhile, unless pages only look; a real one is not affected, and its program
+continues. Any command that makes a simulated robot move again returns the views to the present.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ class Looking:
     """See the module's docstring. Its moment is one reference, so that any thread may read it."""
 
     def __init__(self) -> None:
+        self.pauses = True  # whether a simulated robot pauses meanwhile
         self._moment: _Moment | None = None
 
     # -- what is shown -------------------------------------------------------------------------------
@@ -71,14 +72,17 @@ class Looking:
             return None
         frame = session.frame
         goes_on = frame.tick != moment.present or frame.status not in ("paused", "ready", "hung")
-        return None if goes_on and not session.bridge.hardware else moment
+        return None if goes_on and self._pauses(session) else moment
+
+    def _pauses(self, session: Session) -> bool:
+        return self.pauses and not session.bridge.hardware
 
     # -- what a person does: on the worker's thread, unless said -----------------------------------------
 
     def look(self, session: Session, at: int | float) -> None:
         """Show the moment after a tick, or at a time in seconds."""
         before, past = self._of(session), session.at(at)
-        running = session.status == "running" and not session.bridge.hardware
+        running = session.status == "running" and self._pauses(session)
         if running:
             session.ask(do.Pause()).result()
         if before is None:
