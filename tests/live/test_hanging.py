@@ -366,6 +366,27 @@ def test_a_run_on_the_main_thread_ends_though_a_block_sleeps(session, call, ctrl
     assert made.run(1)
 
 
+PROFILED_AFTERWARDS = """\
+import sys
+from lrp_jupyter import Session
+from lrp_jupyter.errors import SessionTimeoutError
+program = "(machine m (state a (running [import time; time.sleep(1000)]))) (spawn m a)"
+with Session(program) as session:
+    try:
+        session.run(5, limit=0.05)
+    except SessionTimeoutError:
+        sys.setprofile(lambda *_: None)
+        print((lambda: "profiled")())
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="there are no signals to threads")
+def test_debuggers_and_profilers_go_on_after_a_call_was_ended():
+    """Python 3.11 hangs in what is traced while it looks for an exception that was called off."""
+    python = subprocess.run([sys.executable, "-c", PROFILED_AFTERWARDS], capture_output=True, timeout=LONG)
+    assert python.stdout.split() == [b"profiled"]
+
+
 def test_runs_in_a_row_share_the_thread_that_watches_them_and_it_ends_with_the_session(session, wall):
     made = session(GOOD)
     before, threads = set(threading.enumerate()), set()

@@ -163,7 +163,26 @@ def interrupt_call(thread: int) -> None:
     if thread == threading.main_thread().ident and callable(signal.getsignal(signal.SIGURG)):
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None)  # not both of them
         _requested.pop(thread, None)
+        _settle()
         signal.pthread_kill(thread, signal.SIGURG)  # SIGINT is ignored in the background of a shell
+
+
+def _settle() -> None:
+    """Raise something here, in the place of what was called off: until then, Python looks for that.
+
+    That costs time; and in Python 3.11 nothing would run that is traced or profiled, debuggers included.
+    """
+    try:
+        me = threading.get_ident()
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(me), ctypes.py_object(_CalledOff))
+        while True:
+            pass
+    except _CalledOff:
+        pass
+
+
+class _CalledOff(BaseException):
+    """What is raised when nothing is to be raised any more."""
 
 
 class Interruption(Interrupted):
