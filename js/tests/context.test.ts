@@ -128,5 +128,6 @@ describe("the message that a command fills", () => {
     expect(filledBy("msg.linear.", "def fill(msg):\n  ", "\nfill(1)")).toBeNull();
     expect(filledBy("other.", "robot.move(lambda msg: ", "")).toBeNull();
     expect(filledBy("robot.light.", "robot.move(lambda robot: ", "")).toBeNull();
+    expect(filledBy(".", "robot.move(lambda : f()", "")).toBeNull();
   });
 });

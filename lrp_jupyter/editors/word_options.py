@@ -219,7 +219,7 @@ def filled_by(prefix: str, before: str, after: str) -> str | None:
     It is filled by a lambda, in a ``with``, or by a ``def`` that is handed to the command further down.
     """
     name, *rest = prefix.split(".")
-    if not rest or name == "robot":
+    if not (name and rest) or name == "robot":
         return None
     filler = _last(rf"\bdef\s+(\w+)\(\s*{name}\b", before)
     command = filler and _last(rf"robot\.([\w.]+)\(\s*{filler}\b", after)

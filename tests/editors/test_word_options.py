@@ -42,6 +42,7 @@ def test_the_robot_of_the_program_offers_its_members():
     assert "brightness" in offered("(state s (running [robot.light.|]))")["data"].info
     assert [*offered("(state s (running [robot.odom.|]))")] == ["x", "y", "theta"]
     assert [*offered("(state s (running [robot.move(lambda m: m.linear.|)]))")] == ["x", "y", "z"]
+    assert [*offered("(state s (running [robot.move(lambda : f().|)]))")] == []
     assert {"linear=", "angular="} <= offered("(state s (running [robot.move(|)]))").keys()
     for world, has_members in [("line", True), ("none", False)]:
         text = f"; mine (the second)\n; world: {world}\n(state s (running [robot.|]))"

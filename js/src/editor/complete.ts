@@ -264,7 +264,7 @@ const TAKING = /\brobot\.([\w.]+)\((?:[^()]*,)?\s*$/;
  */
 export function filledBy(prefix: string, before: string, after: string): string | null {
   const [name, ...rest] = prefix.split(".");
-  if (!rest.length || name === "robot") return null;
+  if (!name || !rest.length || name === "robot") return null;
   const filler = lastOf(before, `\\bdef\\s+(\\w+)\\(\\s*${name}\\b`);
   const command =
     (filler && lastOf(after, `robot\\.([\\w.]+)\\(\\s*${filler}\\b`)) ||
