@@ -102,8 +102,8 @@ def test_a_person_types_while_the_robot_drives_and_another_one_sees_it(serve, vi
 def test_one_page_too_many_says_so_and_goes_on_once_another_one_is_closed(serve, visit):
     run = serve()
     with ExitStack() as pages:
-        for _ in range(16):
-            pages.enter_context(run.visitor())
+        for number in range(16):
+            pages.enter_context(run.visitor(f"page {number}"))
         lab = visit(run.link)
         lab.says("Too many pages are open. Close one of them, and this one goes on.")
     lab.ready()
