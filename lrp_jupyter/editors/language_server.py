@@ -252,7 +252,7 @@ def _rename(server: ProgramServer, asked: lsp.RenameParams) -> lsp.WorkspaceEdit
         raise CannotBeDoneError("The text has errors, so nothing can be renamed. Correct them first.")
     symbol = text.symbol(text.at.offset(asked.position))
     if symbol is None:
-        raise CannotBeDoneError("There is no name here that can be changed. Place the cursor on one.")
+        raise CannotBeDoneError("Nothing here can be renamed. Place the cursor on a name.")
     try:
         edits = rename_edits(text.program, symbol.element.kind, symbol.element.path, asked.new_name)
     except (ValueError, LRPError) as error:

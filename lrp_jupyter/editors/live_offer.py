@@ -29,7 +29,7 @@ _MOST_EDITORS = 8
 class LiveOffer:
     """Offers a run to the editors that have its file open, as long as the context lasts.
 
-    Raises FileError: there is no place for that.
+    Raises FileError: this user cannot have a private folder for it.
     """
 
     def __init__(self, session: Session, program: Path) -> None:

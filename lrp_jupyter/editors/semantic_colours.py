@@ -55,7 +55,7 @@ def words(text: ProgramText) -> list[ColouredWord]:
 
 
 def _around(word: ColouredWord, named: list[ColouredWord]) -> Iterator[ColouredWord]:
-    """Yield what of a word is no name: a string may contain that of a state."""
+    """Yield the parts of a word around the names in it: a string may contain the name of a state."""
     at = word.start
     for name in named[bisect_left(named, word.start, key=lambda each: each.start) :]:
         if name.start >= word.end:
@@ -94,7 +94,7 @@ def _named(text: ProgramText) -> Iterator[ColouredWord]:
 
 
 def _written(text: ProgramText) -> Iterator[ColouredWord]:
-    """Yield the words of a text that are no names: keywords, signs, comments, and the Python of blocks."""
+    """Yield keywords, signs, comments, and the Python of blocks: everything in a text but names."""
     for kind, start, end in text.parts:
         if kind in _OF_TOKENS:
             yield ColouredWord(start, end, _OF_TOKENS[kind])

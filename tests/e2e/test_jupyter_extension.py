@@ -143,7 +143,7 @@ def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     lab.type_after("(machine rover", "\n(state third)")
     lab.sees('[data-lrp-state="rover/third"]')
     desk.has("untitled.lrp", "(machine rover\n  (state third)\n")
-    lab.type_after("(state third", " (")  # which is no program
+    lab.type_after("(state third", " (")  # an invalid program
     desk.has("untitled.lrp", "(state third ()")
 
     tick = lab.tick

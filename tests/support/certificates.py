@@ -9,7 +9,7 @@ import pytest
 
 
 def own_certificate(folder: Path) -> tuple[Path, Path]:
-    """Make a certificate that nobody signed but its owner, and its key."""
+    """Make a self-signed certificate, and its key."""
     names = (folder / "robot.pem", folder / "robot.key")
     key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes", "-keyout", str(names[1]))
     command = ["openssl", "req", "-x509", *key, "-days", "2", "-subj", "/CN=robot", "-out", str(names[0])]

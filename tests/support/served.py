@@ -3,7 +3,6 @@
 import json
 import re
 import ssl
-import time
 from collections import deque
 from contextlib import contextmanager, suppress
 from urllib.parse import urlsplit
@@ -60,21 +59,22 @@ class Visitor:
     def get(self, kind, holds=lambda message: True):
         """The next message of a kind for which a condition holds; frames are acknowledged meanwhile."""
         seen = deque(maxlen=20)
-        until_then = time.monotonic() + WAIT
-        while True:
-            assert time.monotonic() < until_then, f"no such {kind}: {[*seen]}"
-            data = self.socket.recv(WAIT)
-            if isinstance(data, bytes):
-                continue
-            message = json.loads(data)
-            seen.append({key: each for key, each in message.items() if key not in ("time", "tick", "robot")})
-            if message["type"] in ("snapshot", "answer"):
-                self.revision = message["revision"]
-            if message["type"] == "frame":
-                with suppress(ConnectionClosed):  # and this is one of its last
-                    self.say("credit", frame=message["frame"])
-            if message["type"] == kind and message["view"] == self.view and holds(message):
-                return message
+        return until(lambda: self._next(kind, holds, seen), lambda: f"no such {kind}: {[*seen]}")
+
+    def _next(self, kind, holds, seen):
+        """The next message, if it is of the kind and the condition holds."""
+        data = self.socket.recv(WAIT)
+        if isinstance(data, bytes):
+            return None
+        message = json.loads(data)
+        seen.append({key: each for key, each in message.items() if key not in ("time", "tick", "robot")})
+        if message["type"] in ("snapshot", "answer"):
+            self.revision = message["revision"]
+        if message["type"] == "frame":
+            with suppress(ConnectionClosed):  # and this is one of its last
+                self.say("credit", frame=message["frame"])
+        is_meant = message["type"] == kind and message["view"] == self.view and holds(message)
+        return message if is_meant else None
 
     def ask(self, kind, /, **fields):
         """Ask, and return the reply."""

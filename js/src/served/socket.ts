@@ -33,7 +33,7 @@ const LONGEST_WAIT = 8000;
 const ENDED = 4410;
 /** Whether no other try would change why it was closed. */
 const isFinal = (code: number) => code === 1009 || (code >= 4400 && code < 4500 && code !== ENDED);
-/** What the lab says by itself, without a person. */
+/** Commands that the lab sends without a person's action. */
 const UNASKED: ReadonlySet<string> = new Set(["fit", "recover", "put_into_cell"]);
 const LOST =
   "The connection was lost before this was answered. Look whether it has happened, and do it again if not.";

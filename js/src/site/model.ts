@@ -1,4 +1,4 @@
-/** A model for the lab that is no notebook's: what is sent goes wherever this page sends it. */
+/** The lab's model outside of a notebook: the page decides where messages go. */
 
 import type { Model } from "../session/connection";
 import type { Packed } from "../session/plain";

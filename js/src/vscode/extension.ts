@@ -48,7 +48,7 @@ async function start(): Promise<void> {
   }
 }
 
-/** Why the server does not start: what it says where there is no editor. */
+/** Why the server does not start: what it prints when it is run without an editor. */
 function reason(command: string, args: string[]): Promise<string> {
   return new Promise((resolve) => {
     const server = execFile(command, args, (_error, _output, said) =>

@@ -84,6 +84,17 @@ File = Annotated[
 ]
 
 
+CheckedBridge = Annotated[
+    str | None,
+    Option(
+        "--bridge",
+        metavar="NAME",
+        autocompletion=complete.bridges,
+        help="Check for this robot: see `lrp bridges`. Default: the simulated one.",
+    ),
+]
+
+
 BridgeOptions = Annotated[
     list[str] | None,
     Option("--option", "-o", metavar="KEY=VALUE", help="An option of the bridge, or an answer to it."),

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer import Argument, Option
+from typer import Argument
 
-from lrp_jupyter.cli import complete
-from lrp_jupyter.cli.subcommands.application import BridgeOptions, command
+from lrp_jupyter.cli.subcommands.application import BridgeOptions, CheckedBridge, command
 
 
 class EditorName(StrEnum):
@@ -37,14 +36,7 @@ def editor(
 
 @command("language-server")
 def language_server(
-    bridge: Annotated[
-        str | None,
-        Option(
-            metavar="NAME",
-            autocompletion=complete.bridges,
-            help="Check for this robot: see `lrp bridges`. Default: the simulated one.",
-        ),
-    ] = None,
+    bridge: CheckedBridge = None,
     options: BridgeOptions = None,
 ) -> None:
     """Help an editor with programs: it starts this command, and talks to it over stdin and stdout.

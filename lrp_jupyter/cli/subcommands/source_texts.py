@@ -10,7 +10,7 @@ import typer
 from typer import Argument, Option
 
 from lrp_jupyter.cli import complete
-from lrp_jupyter.cli.subcommands.application import BridgeOptions, File, command
+from lrp_jupyter.cli.subcommands.application import BridgeOptions, CheckedBridge, File, command
 
 
 class Findings(StrEnum):
@@ -45,14 +45,7 @@ def check(
     fix: Annotated[
         bool, Option("--fix", help="Apply every certain fix, write the files, and check again.")
     ] = False,
-    bridge: Annotated[
-        str | None,
-        Option(
-            metavar="NAME",
-            autocompletion=complete.bridges,
-            help="Check for this robot: see `lrp bridges`. Default: the simulated one.",
-        ),
-    ] = None,
+    bridge: CheckedBridge = None,
     options: BridgeOptions = None,
 ) -> None:
     """Check programs without running them.

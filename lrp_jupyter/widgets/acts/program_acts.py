@@ -174,7 +174,7 @@ def keep(opened: OpenProgram, number: int | None = None) -> None:
     opened.texts.end_conflict(number, use=False)
 
 
-@act(is_noted=False)  # the page sends it by itself
+@act(is_noted=False)  # the page sends it unasked
 def recover(opened: OpenProgram, text: str) -> None:
     """Ask about a text that was typed in a view whose kernel had ended."""
     opened.texts.recover(text)
@@ -256,7 +256,7 @@ def pin(opened: OpenProgram, path: str, name: str, x: float, y: float) -> None:
     opened.layouts.pin(path, name, x, y)
 
 
-@act(is_noted=False, only_looks=True)  # the page sends it by itself
+@act(is_noted=False, only_looks=True)  # the page sends it unasked
 def fit(opened: OpenProgram, width: float, height: float) -> None:
     """Choose places for new states so that the graph fits into a panel of this size, in px."""
     if width > 0 and height > 0:

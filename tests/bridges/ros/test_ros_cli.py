@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.cli import app
-from lrp_jupyter.cli.run_command import where
+from lrp_jupyter.cli.robot_of_run import where
 
 ROS = ("rospy", "rosgraph", "roslib", "genpy")
 DRIVE = "(machine m (state a (running [robot.move(linear=0.1)])) (state b) {more}) (spawn m a)"
