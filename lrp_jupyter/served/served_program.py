@@ -14,7 +14,7 @@ from lrp_jupyter.widgets.text.saver import Saver
 from lrp_jupyter.widgets.text.texts import Texts
 
 _READ_ONLY = (
-    "This page only looks: `lrp run` was started with `--read-only`, so nothing can be changed from here."
+    "This page is read-only: `lrp run` was started with `--read-only`, so nothing can be changed from here."
 )
 
 

@@ -281,13 +281,13 @@ def test_pages_that_only_look_change_nothing(serve, tmp_path):
             page.number += 1
             page.say("command", id=page.number, do=name, **some(ACTS[name]))
             error = page.get("reply", lambda reply: reply["id"] == page.number)["error"]
-            assert error.startswith("This page only looks"), name
+            assert error.startswith("This page is read-only"), name
         for name in ("save", "save_world"):
             assert page.ask(name, name=str(tmp_path / "stolen"), replace=True)["error"].startswith(
-                "This page only looks"
+                "This page is read-only"
             )
         assert page.ask("try_programs", programs=[COUNT], seconds=1)["error"].startswith(
-            "This page only looks"
+            "This page is read-only"
         )
         page.seq += 1
         page.say("text", seq=1, base=page.snapshot["revision"], updates=[[[0, "evil"], len(COUNT)]])
@@ -529,7 +529,7 @@ def test_a_token_of_ones_own_is_neither_printed_nor_known_to_the_program_and_out
         assert (run.token, run.process.poll()) == ("$LRP_TOKEN", None)
         run.token = own
         with run.visitor() as page:
-            page.get("frame", lambda frame: frame.get("variables", {}).get("n", [""])[0].startswith("('hidden', "))
+            page.get("frame", lambda frame: "'hidden'" in frame.get("variables", {}).get("n", [""])[0])
         run.process.terminate()
         run.process.wait()
         assert own not in run.output.read_text()

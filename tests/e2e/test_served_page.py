@@ -209,6 +209,6 @@ def test_a_page_that_only_looks_shows_why_and_the_past_and_keeps_its_text(serve,
     lab.find(".cm-content").click()
     lab.page.keyboard.type("evil")
     lab.do("pause")
-    lab.page.locator(".lrp-toast", has_text="This page only looks").wait_for()
+    lab.page.locator(".lrp-toast", has_text="This page is read-only").wait_for()
     lab.goes_on()
     assert lab.text == (tmp_path / "my.lrp").read_text() == DRIVE

@@ -31,7 +31,7 @@ function takeToken(): string {
 
 function describe({ name, file, read_only }: About): void {
   document.title = `${name} on ${location.hostname}`;
-  const what = file || `${name}, not kept,`;
+  const what = file || `${name} (not saved)`;
   element("about").textContent = `${what} on ${location.host}${read_only ? ", read only" : ""}`;
 }
 
