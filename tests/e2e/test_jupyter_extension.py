@@ -133,7 +133,7 @@ def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     (desk.folder / "other.lrp").write_text(PROGRAM)
     desk.listed("other.lrp").wait_for()
     desk.command("launcher:create", cwd=desk.folder.name)
-    page.locator(".jp-LauncherCard", has_text="LRP Program").last.click()
+    page.locator(".jp-LauncherCard", has_text="LRP Program").filter(visible=True).click()
     desk.in_front("untitled.lrp")
     lab = LabPage(page).ready()
     lab.is_active("rover/driving")

@@ -47,7 +47,8 @@ export function timelineView(lab: Lab, looking: Looking, keepRun: () => void): H
   let styleOf = trailStyles(store.state.program, TRAIL_COLORS);
   let stillUntil = 0; // nothing moves away under a pointer that is aiming
   const shown = new TimeWindow(store, () => now());
-  let later: ReturnType<typeof setTimeout> | undefined;
+  let later: ReturnType<typeof setTimeout> | undefined; // when it is drawn
+  let next: ReturnType<typeof setTimeout> | undefined; // when the kernel is asked
 
   const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
   const playhead = h("div", {
@@ -109,8 +110,10 @@ export function timelineView(lab: Lab, looking: Looking, keepRun: () => void): H
     async () => {
       if (body.hidden || !store.state.tick) return;
       drawn = performance.now();
-      if (drawn >= answered + (isNews || plots.length ? NEWS_AFTER : ALL_AFTER)) await read();
-      else if (isNews) setTimeout(ask, NEWS_AFTER);
+      clearTimeout(next);
+      const wait = answered + (isNews || plots.length ? NEWS_AFTER : ALL_AFTER) - drawn;
+      if (wait <= 0) await read();
+      else next = setTimeout(ask, wait); // a paused program has no other tick to ask in
       clearTimeout(later);
       if (performance.now() >= stillUntil) redraw();
       else later = setTimeout(redraw, stillUntil - performance.now());
