@@ -64,9 +64,12 @@ class ProgramServer(LanguageServer):
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_stale = False  # whether live values are to be shown soon
 
-    def text(self, document: lsp.TextDocumentIdentifier) -> ProgramText:
+    def text(self, uri: str) -> ProgramText:
         """Return an open text."""
-        return self._open[document.uri]
+        try:
+            return self._open[uri]
+        except KeyError:
+            raise CannotBeDoneError(f"`{uri}` is not open.") from None
 
     def opened(self, uri: str, text: str, number: int | None) -> None:
         """Keep a text that was opened or saved, and mark what is found in it."""
@@ -80,7 +83,7 @@ class ProgramServer(LanguageServer):
 
     def changed(self, uri: str, text: str, number: int) -> None:
         """Keep a text after a change, and mark what is found in it soon."""
-        self._open[uri] = ProgramText(text, number, self._encoding, self._open[uri].robot)
+        self._open[uri] = ProgramText(text, number, self._encoding, self.text(uri).robot)
         if uri not in self._due:
             self._due.add(uri)
             asyncio.get_running_loop().call_later(_TOGETHER, self.mark, uri)
@@ -103,7 +106,7 @@ class ProgramServer(LanguageServer):
     def live_hints(self, uri: str) -> list[lsp.InlayHint]:
         """Return what a run of the file of a text shows in it."""
         file = _file_of(uri)
-        return hints(self._open[uri], None if file is None else self._runs.news(file))
+        return hints(self.text(uri), None if file is None else self._runs.news(file))
 
     def _hear(self, _: Path) -> None:
         """Have live values shown soon; called on another thread."""
@@ -152,7 +155,7 @@ def _did_change(server: ProgramServer, asked: lsp.DidChangeTextDocumentParams) -
 
 
 def _did_save(server: ProgramServer, asked: lsp.DidSaveTextDocumentParams) -> None:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     server.opened(asked.text_document.uri, text.text, text.version)  # its world may be another one now
 
 
@@ -164,7 +167,7 @@ def _did_close(server: ProgramServer, asked: lsp.DidCloseTextDocumentParams) -> 
 
 
 def _completion(server: ProgramServer, asked: lsp.CompletionParams) -> lsp.CompletionList:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     offset = text.at.offset(asked.position)
     found = complete(text, offset)
     place = text.at.range(found.begin, offset)
@@ -193,7 +196,7 @@ def _item(option: WordOption, index: int, place: lsp.Range, snippets: bool) -> l
 
 
 def _hover(server: ProgramServer, asked: lsp.HoverParams) -> lsp.Hover | None:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     found = card(text, text.at.offset(asked.position))
     if found is None:
         return None
@@ -202,7 +205,7 @@ def _hover(server: ProgramServer, asked: lsp.HoverParams) -> lsp.Hover | None:
 
 
 def _signature(server: ProgramServer, asked: lsp.SignatureHelpParams) -> lsp.SignatureHelp | None:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     found = signature_at(text, text.at.offset(asked.position))
     if found is None:
         return None
@@ -213,7 +216,7 @@ def _signature(server: ProgramServer, asked: lsp.SignatureHelpParams) -> lsp.Sig
 
 
 def _definition(server: ProgramServer, asked: lsp.DefinitionParams) -> lsp.Location | None:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     symbol = text.symbol(text.at.offset(asked.position))
     place = asked.text_document.uri
     return None if symbol is None else lsp.Location(place, text.at.range(*symbol.definition))
@@ -231,7 +234,7 @@ def _highlights(server: ProgramServer, asked: lsp.DocumentHighlightParams) -> li
 def _uses(
     server: ProgramServer, asked: lsp.ReferenceParams | lsp.DocumentHighlightParams, all_: bool
 ) -> list[lsp.Range]:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     symbol = text.symbol(text.at.offset(asked.position))
     if symbol is None:
         return []
@@ -240,14 +243,14 @@ def _uses(
 
 
 def _prepare_rename(server: ProgramServer, asked: lsp.PrepareRenameParams) -> lsp.Range | None:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     offset = text.at.offset(asked.position)
     symbol = text.symbol(offset)
     return None if symbol is None else text.at.range(*text.span(symbol, offset))
 
 
 def _rename(server: ProgramServer, asked: lsp.RenameParams) -> lsp.WorkspaceEdit:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     if text.program is None:
         raise CannotBeDoneError("The text has errors, so nothing can be renamed. Correct them first.")
     symbol = text.symbol(text.at.offset(asked.position))
@@ -261,7 +264,7 @@ def _rename(server: ProgramServer, asked: lsp.RenameParams) -> lsp.WorkspaceEdit
 
 
 def _formatting(server: ProgramServer, asked: lsp.DocumentFormattingParams) -> list[lsp.TextEdit]:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     try:
         return [text.at.edit(edit) for edit in formatting(text.text)]
     except LRPSyntaxError:
@@ -271,7 +274,7 @@ def _formatting(server: ProgramServer, asked: lsp.DocumentFormattingParams) -> l
 
 
 def _actions(server: ProgramServer, asked: lsp.CodeActionParams) -> list[lsp.CodeAction]:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     found = fixes(asked.text_document.uri, text, *text.at.span(asked.range))
     only = asked.context.only
     return [each for each in found if only is None or any(_is_kind(each.kind, kind) for kind in only)]
@@ -284,25 +287,25 @@ def _is_kind(kind: Any, wanted: str) -> bool:
 def _resolve_action(server: ProgramServer, action: lsp.CodeAction) -> lsp.CodeAction:
     if action.edit is None and isinstance(action.data, dict):
         uri = str(action.data["uri"])
-        action.edit = fix_all(uri, server.text(lsp.TextDocumentIdentifier(uri)))
+        action.edit = fix_all(uri, server.text(uri))
     return action
 
 
 def _symbols(server: ProgramServer, asked: lsp.DocumentSymbolParams) -> list[lsp.DocumentSymbol]:
-    return outline(server.text(asked.text_document))
+    return outline(server.text(asked.text_document.uri))
 
 
 def _folds(server: ProgramServer, asked: lsp.FoldingRangeParams) -> list[lsp.FoldingRange]:
-    return [*folds(server.text(asked.text_document))]
+    return [*folds(server.text(asked.text_document.uri))]
 
 
 def _selections(server: ProgramServer, asked: lsp.SelectionRangeParams) -> list[lsp.SelectionRange]:
-    text = server.text(asked.text_document)
+    text = server.text(asked.text_document.uri)
     return [selection(text, text.at.offset(each)) for each in asked.positions]
 
 
 def _colours(server: ProgramServer, asked: lsp.SemanticTokensParams) -> lsp.SemanticTokens:
-    return lsp.SemanticTokens(encoded(server.text(asked.text_document)))
+    return lsp.SemanticTokens(encoded(server.text(asked.text_document.uri)))
 
 
 def _hints(server: ProgramServer, asked: lsp.InlayHintParams) -> list[lsp.InlayHint]:

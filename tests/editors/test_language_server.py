@@ -159,6 +159,8 @@ def test_the_end_of_a_file_and_of_the_server(editor):
     document = lsp.DidCloseTextDocumentParams(lrp.document)
     lrp.tell(lrp.client.text_document_did_close, document)
     until(lambda: not lrp.marks.diagnostics)
+    with pytest.raises(JsonRpcException, match=r"my\.lrp` is not open\."):
+        lrp.ask("document_symbol", lsp.DocumentSymbolParams)
 
 
 def test_a_change_is_made_where_it_was_typed_whatever_stands_above(editor):
