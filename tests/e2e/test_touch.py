@@ -14,6 +14,7 @@ TABLET = {
     "device_scale_factor": 2,
 }
 ZERO = '[data-lrp-state="watch/zero"] .lrp-box'
+BAR = ".lrp-splitter-columns:not([hidden])"
 PLAYHEAD = ".lrp-playhead"
 SCROLLED = "document.querySelector('.jp-WindowedPanel-outer').scrollTop"
 PLACE_OF = """([line, text]) => {
@@ -100,7 +101,7 @@ def ask(lab, fingers):
     lab.choose("why")
     lab.sees(".lrp-why-sentence")
     lab.press(".lrp-why .lrp-tools button")
-    fingers.click(*middle(lab.box('[data-lrp-action="reset"]')), button="right")
+    fingers.click(*middle(lab.at_rest('[data-lrp-action="reset"]')), button="right")
     lab.sees(".lrp-tip")
 
 
@@ -117,7 +118,7 @@ def scroll_the_notebook(lab, fingers):
     box, before = lab.at_rest(ZERO), scrolled(lab)
     x, y = middle(box)
     fingers.drag((x, y), (x, y + 40))
-    assert lab.at_rest(ZERO)["y"] > box["y"] + 20
+    lab.until("(box, y) => box.getBoundingClientRect().y > y + 20", ZERO, box["y"])
     assert scrolled(lab) == before
 
 
@@ -130,15 +131,15 @@ def zoom_the_graph(lab, fingers):
     box, before = lab.at_rest(ZERO), lab.until(ZOOM, ".lrp-graph")
     x, y = middle(box)
     fingers.two([(x, y), (x + 40, y)], [(x - 40, y), (x + 80, y)])
-    assert lab.until(ZOOM, ".lrp-graph") > 2.5 * before
+    lab.until(f"(svg, before) => ({ZOOM})(svg) > 2.5 * before", ".lrp-graph", before)
     lab.do("zoom-fit")
 
 
 def move_a_bar(lab, fingers):
-    bar = lab.box(".lrp-splitter-columns:not([hidden])")
+    bar = lab.at_rest(BAR)
     x, y = middle(bar)
     fingers.drag((x - 14, y), (x + 60, y))
-    assert lab.box(".lrp-splitter-columns:not([hidden])")["x"] > bar["x"] + 50
+    lab.until("(bar, x) => bar.getBoundingClientRect().x > x + 50", BAR, bar["x"])
 
 
 def drag_the_robot(lab, fingers):
@@ -152,7 +153,7 @@ def change_a_number(lab, fingers):
     """A tap on it shows a strip that is dragged on, or tapped at its ends."""
     line = lab.find(".cm-line:has-text('ontime 300')")
     fingers.click(*lab.page.evaluate(PLACE_OF, [line.element_handle(), "300"]))
-    x, y = middle(lab.box(".lrp-scrub"))
+    x, y = middle(lab.at_rest(".lrp-scrub"))
     fingers.drag((x, y), (x + 80, y))
     lab.reads(".cm-content", "ontime 500 zero")
     fingers.click(x - 100, y)
@@ -171,7 +172,7 @@ def find_all_large_enough(lab):
 
 
 def go_faster(lab, fingers):
-    x, y = middle(lab.box(".lrp-slider"))
+    x, y = middle(lab.at_rest(".lrp-slider"))
     before = int(lab.find(".lrp-slider").input_value())
     fingers.drag((x, y), (x + 20, y))
     lab.until("(slider, before) => Number(slider.value) > before", ".lrp-slider", before)
@@ -183,7 +184,7 @@ def go_back(lab, fingers):
     x, y = middle(head)
     fingers.drag((x + 14, y), (x - 100, y))
     lab.sees("css=:scope[data-looking]")
-    assert lab.tick < now
+    lab.until("(root, now) => Number(root.dataset.lrpTick) < now", argument=now)
     lab.do("back-to-now")
     lab.sees("css=:scope:not([data-looking])")
     lab.do("run")

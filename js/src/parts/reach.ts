@@ -3,7 +3,7 @@
 import type { LabState, Link } from "../session/state";
 import { setAttribute, setText, unmarked } from "../ui/dom";
 
-const AWAY = "The kernel does not answer: the robot cannot be stopped from here now";
+const AWAY = "The program does not answer: the robot cannot be stopped from here now";
 
 /** What is known in place of the status of the program, which may be another one by now. */
 export const LINKS: Partial<Record<Link, string>> = {
