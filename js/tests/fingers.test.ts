@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 
-import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, type Mock, vi } from "vitest";
 import { h } from "../src/ui/dom";
 import { type Drag, trackDrag } from "../src/ui/drag";
 import { useFingers } from "../src/ui/fingers";
@@ -8,7 +8,7 @@ import { onPinch } from "../src/ui/pinch";
 
 let lab: HTMLElement;
 let surface: HTMLElement;
-let drag: { move: ReturnType<typeof vi.fn>; end: ReturnType<typeof vi.fn> };
+let drag: { move: Mock<Drag["move"]>; end: Mock<Drag["end"]> };
 beforeEach(() => {
   vi.useFakeTimers();
   surface = h("button", { title: "What it does" });
