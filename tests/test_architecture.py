@@ -14,6 +14,8 @@ import pytest
 
 import lrp_jupyter
 
+pytestmark = pytest.mark.slow  # they read every module
+
 PROJECT = Path(__file__).parents[1]
 PACKAGE = Path(lrp_jupyter.__file__).parent
 AS_PYTHON = {"AttributeError", "IndentationError", "SyntaxError"}  # worded as Python words them
@@ -74,7 +76,6 @@ def is_sentence(text: str) -> bool:
     return begins and text.rstrip("`").endswith((".", "?", ":", "…", "{}"))
 
 
-@pytest.mark.slow  # it reads every module, in some seconds
 def test_every_import_points_down_and_none_goes_in_a_circle():
     command = [Path(sys.executable).with_name("lint-imports"), "--no-cache", "--no-logo"]
     done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True)

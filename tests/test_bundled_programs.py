@@ -141,6 +141,7 @@ def test_a_bundled_program_survives_printing(name):
     assert parse(to_source(program)) == program
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seeds"),
     [

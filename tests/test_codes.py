@@ -94,6 +94,7 @@ RUNNING = [
 ]
 
 
+@pytest.mark.slow
 @every("code", RUNNING)
 def test_its_program_brings_it(code: str, impatient: None):
     assert code in brought_by(CODES[code].script, CODES[code].example)

@@ -4,6 +4,7 @@ import doctest
 import inspect
 import pydoc
 
+import pytest
 from support.tables import every
 
 import lrp_jupyter
@@ -13,6 +14,7 @@ WITH_EXAMPLES = [
 ]
 
 
+@pytest.mark.slow
 @every("name", WITH_EXAMPLES)
 def test_the_examples_of_a_docstring_work(name):
     public = getattr(lrp_jupyter, name)

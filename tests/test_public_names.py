@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 import lrp_jupyter
 
 PUBLIC = """
@@ -24,6 +26,7 @@ def test_an_unknown_name_is_an_attribute_error():
     assert not hasattr(lrp_jupyter, "Manager")
 
 
+@pytest.mark.slow
 def test_no_import_brings_more_than_is_needed():
     statements = (
         "import lrp_jupyter",

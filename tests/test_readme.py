@@ -24,6 +24,7 @@ def blocks(text: str, language: str) -> list[str]:
 # -- what it prints ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_example_about_the_past_prints_what_it_says(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.lrp").write_text(programs.load("follower"), encoding="utf-8")
@@ -67,6 +68,7 @@ class Walk:
         return tuple(self.session.bridge.simulation.robot.pose)
 
 
+@pytest.mark.slow
 def test_the_first_behaviour_does_what_the_table_says():
     walk = Walk()
     with walk.session as session:

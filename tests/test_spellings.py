@@ -160,6 +160,7 @@ def told(command, wanted):
     return issues[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_accepts_the_same_spellings(name):
     kind, command = COMMANDS[name]

@@ -46,6 +46,7 @@ def refused(lrp, *arguments):
     return " ".join(done.stderr.replace("│", " ").split())
 
 
+@pytest.mark.slow
 def test_every_number_has_bounds_and_what_is_beyond_them_is_refused(lrp):
     numbers = [each for each in options() if each[2].type_descriptor.annotation in (int, float)]
     assert len(numbers) > 12

@@ -24,6 +24,7 @@ def group(tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_a_class_is_graded_into_files_and_listed(lrp, group, tmp_path, monkeypatch):
     monkeypatch.setattr("lrp_jupyter.grading.grade._starters", [])
     out = [tmp_path / f"marks.{suffix}" for suffix in ("csv", "json", "xml")]
@@ -40,6 +41,7 @@ def test_a_class_is_graded_into_files_and_listed(lrp, group, tmp_path, monkeypat
     assert "grading: 6 of 6 runs" in result.stderr
 
 
+@pytest.mark.slow
 def test_a_class_with_several_challenges_is_a_table_and_goes_into_pages_and_a_gradebook(lrp, tmp_path):
     folder = tmp_path / "class"
     folder.mkdir()
@@ -127,6 +129,7 @@ def test_a_wrong_option_for_a_class_is_a_sentence_before_anything_runs(lrp, grou
     assert words in " ".join(result.stderr.replace("│", " ").split())
 
 
+@pytest.mark.slow
 def test_an_unreachable_cluster_is_a_sentence(lrp, group):
     result = lrp("grade", group, "--challenge", "first move", "--scheduler", "nonsense://here")
     assert result.exit_code == 2

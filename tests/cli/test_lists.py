@@ -101,12 +101,14 @@ def test_challenges_are_listed_when_none_is_named(lrp):
     assert "--challenge" in result.stderr
 
 
+@pytest.mark.slow
 def test_the_challenge_is_the_one_that_the_program_names(lrp):
     result = lrp("grade", "edge-guard", "--seeds", "1")
     assert result.exit_code == 0
     assert result.stdout.startswith("edge-guard, edge guard: passed")
 
 
+@pytest.mark.slow
 def test_a_good_program_passes_with_every_seed(lrp):
     result = lrp("grade", "follower", "--challenge", "there-and-back", "--seeds", "2")
     assert result.exit_code == 0

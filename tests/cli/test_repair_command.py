@@ -30,6 +30,7 @@ def test_it_says_that_there_is_none_with_an_exit_code(lrp, tmp_path, text, words
     assert (result.exit_code, words in result.stdout + result.stderr) == (1, True)
 
 
+@pytest.mark.slow
 def test_grading_a_class_notes_how_far_off_each_program_is(lrp, tmp_path):
     folder, out, pages = tmp_path / "class", tmp_path / "marks.csv", tmp_path / "pages"
     folder.mkdir()

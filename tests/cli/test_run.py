@@ -160,6 +160,7 @@ def test_two_runs_have_the_same_trace(lrp, name):
     assert (name == "follower") == (first != other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", seeds(1, 4))
 def test_the_papers_constants_lead_there_and_back_with_noise(lrp, seed):
     result = lrp(
@@ -528,6 +529,7 @@ def impatient(monkeypatch):
     monkeypatch.setattr(run, "LIMIT", 0.2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "block"),
     [
@@ -546,6 +548,7 @@ def test_a_run_of_limited_length_ends_though_a_block_does_not_return(lrp, progra
     assert "ended the run" in result.stderr
 
 
+@pytest.mark.slow
 def test_a_block_that_does_not_return_is_interrupted_by_a_save(lrp, program, impatient, monkeypatch):
     monkeypatch.setattr(run, "LIMIT", 60)
     endless = COUNT.replace("n += 1", "while True: pass")

@@ -4,10 +4,10 @@ import sys
 
 import pytest
 
-jupyter_lsp = pytest.importorskip("jupyter_lsp")
 
-
+@pytest.mark.slow
 def test_jupyter_finds_the_server():
+    jupyter_lsp = pytest.importorskip("jupyter_lsp")
     manager = jupyter_lsp.LanguageServerManager()
     manager.init_language_servers()
     found = manager.language_servers["lrp"]

@@ -32,6 +32,7 @@ CRASH = DRIVE.replace("robot.move(linear=0.2)", "import os; os.abort()")
 FIRST = challenge("first move")
 
 
+@pytest.mark.slow
 def test_a_program_that_hangs_or_crashes_costs_only_its_own_grade_and_one_run():
     texts = [DRIVE, HANG, CRASH, "(machine", SLOW]
     good, hung, crashed, invalid, slow = grade_all(texts, FIRST, 3, HowRun(limit=3))
@@ -64,6 +65,7 @@ def test_equal_programs_are_run_once_and_what_one_begins_with_once_in_a_process(
     assert list(dict.fromkeys(totals)) == [4, 2]
 
 
+@pytest.mark.slow
 def test_the_second_run_of_a_program_waits_for_its_first_while_others_run():
     limits = {HANG: 3, DRIVE: 60, SLOW: 60}
     jobs = [Job((text,), FIRST, load("empty"), seed, limits[text]) for seed in (0, 1) for text in limits]

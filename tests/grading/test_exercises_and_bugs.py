@@ -40,6 +40,7 @@ def test_an_exercise_does_not_begin_solved_and_has_a_hint_for_who_changes_nothin
     assert made.hint, made.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("answer", some(ANSWERS, lambda answer: answer.id))
 def test_a_cheat_or_a_mistake_fails_and_a_mistake_gets_its_hint(answer):
     made = failing(answer.text, answer.challenge)

@@ -38,10 +38,12 @@ def test_there_and_back_is_mastered_with_noise_of_many_seeds():
     assert len({attempt.seconds for attempt in result.attempts}) > 1
 
 
+@pytest.mark.slow
 def test_two_gradings_are_equal():
     assert grade(DRIVE, "stop at the line", seeds=1) == grade(DRIVE, "stop at the line", seeds=1)
 
 
+@pytest.mark.slow
 @every("each", challenges()[::6])
 def test_doing_nothing_masters_nothing_and_gets_a_hint(each):
     made = attempt(jobs_of("(machine m (state idle)) (spawn m idle)", each)[1][0])
@@ -49,6 +51,7 @@ def test_doing_nothing_masters_nothing_and_gets_a_hint(each):
     assert made.hint
 
 
+@pytest.mark.slow
 def test_a_grade_prints_every_criterion_with_its_reason_and_has_a_small_repr():
     result = grade(DRIVE, "stop at the line", seeds=2)
     text = str(result)
@@ -58,6 +61,7 @@ def test_a_grade_prints_every_criterion_with_its_reason_and_has_a_small_repr():
     assert repr(result) == "<Grade stop at the line: not yet, 0 of 6 runs>"
 
 
+@pytest.mark.slow
 def test_the_hints_of_all_runs_differ_in_more_than_their_figures():
     result = grade(DRIVE, "stop at the line", seeds=2)
     every = {hint for attempt in result.attempts for hint in attempt.hints}
@@ -87,6 +91,7 @@ def test_a_robot_that_is_put_into_the_goal_has_not_come_there():
     ]
 
 
+@pytest.mark.slow
 def test_as_many_runs_have_to_pass_as_the_challenge_needs():
     lucky = Criterion("has luck", lambda run: (run.samples[0].lights[0] > 255 * (1 - 0.5), ""), "once")
     task = Challenge(
@@ -163,6 +168,7 @@ def test_a_run_ends_when_every_criterion_is_met():
     assert attempt.seconds < 2
 
 
+@pytest.mark.slow
 def test_a_run_ends_when_a_criterion_is_broken_for_good():
     long = Challenge("way", "", ("empty",), (drives(10), touches_nothing()), 1000)
     (attempt,) = grade(DRIVE, long).attempts
@@ -214,6 +220,7 @@ def test_a_block_that_does_not_return_ends_the_grading_with_a_sentence(block):
     assert "`ontime`" in str(result)
 
 
+@pytest.mark.slow
 def test_a_run_whose_blocks_compute_too_long_ends_with_a_sentence():
     result = grade(DRIVE.replace("robot", "sum(range(300_000)); robot"), "there and back", limit=0.9)
     attempt = result.attempts[0]

@@ -156,6 +156,7 @@ FIRST_HINTS = {
 }
 
 
+@pytest.mark.slow
 @every(("case", "words"), FIRST_HINTS.items())
 def test_the_most_certain_hint_comes_first(case, words):
     challenge, text = case
@@ -184,6 +185,7 @@ NOT_ON_ITS_WAY = {
 }
 
 
+@pytest.mark.slow
 @every("text", NOT_ON_ITS_WAY.values())
 def test_the_time_is_not_blamed_where_a_robot_would_not_have_come_to_the_end(text):
     assert "Time ran out" not in hints(text, "square")
@@ -239,6 +241,7 @@ def test_what_was_not_decided_when_a_run_was_cut_short_is_not_called_failed():
     assert result.attempts[0].failure == blinked
 
 
+@pytest.mark.slow
 def test_of_a_line_that_a_follower_never_saw_the_hint_says_so():
     text = (
         "(machine m (state black (running [robot.move(linear=0.12, angular=0.8)]))"

@@ -28,6 +28,8 @@ from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.programs import load, names
 
+pytestmark = pytest.mark.slow  # what does not end is ended after seconds
+
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 FIRST = challenge("first move")
 FORGED = {"world": "empty", "seed": 0, "seconds": 1.0, "verdicts": [], "hints": [], "share": 1.0, "ended": ""}
@@ -234,7 +236,6 @@ LEAVING = [
 
 
 @needs_fork
-@pytest.mark.slow
 @pytest.mark.parametrize("code", LEAVING, ids=["started", "hidden", "forked", "closed"])
 def test_no_process_that_a_program_has_started_stays(code):
     bad, good = grade_all([doing(f"import os, threading; {code}"), DRIVE], FIRST, 1, HowRun(limit=1))
@@ -244,7 +245,6 @@ def test_no_process_that_a_program_has_started_stays(code):
 
 
 @needs_fork
-@pytest.mark.slow
 @pytest.mark.parametrize("number", ["KILL", "STOP", "TERM"])
 def test_a_program_that_ends_or_stops_all_workers_takes_no_mark_from_another(number):
     """All workers, that of the other program's run and an idle one too; both runs are made again, alone."""
@@ -284,7 +284,6 @@ worker._forked(b"", 1.0, 0, 1)
 
 
 @needs_fork
-@pytest.mark.slow
 def test_a_run_whose_worker_has_ended_before_it_could_ask_to_end_with_it_is_not_made():
     reading, writing = os.pipe()
     with Popen(

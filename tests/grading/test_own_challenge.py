@@ -44,6 +44,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_a_challenge_in_ten_lines_with_a_world_of_the_lab_is_graded(folder):
     task = load(folder / "mine.py")
     assert [world.name for world in task.worlds] == ["yard"]
@@ -54,6 +55,7 @@ def test_a_challenge_in_ten_lines_with_a_world_of_the_lab_is_graded(folder):
     assert (slow.passed, slow.hint) == (False, "The robot drove 0.3 m. Drive on to the goal.")
 
 
+@pytest.mark.slow
 def test_it_is_then_known_by_its_name_and_its_program_begins_with_the_task(folder):
     task = load(str(folder / "mine.py"))
     assert load("To-the-goal") is task

@@ -56,6 +56,7 @@ def test_what_one_begins_with_is_run_once_and_only_where_points_depend_on_it(mon
     assert len(grading._starters) == 2
 
 
+@pytest.mark.slow
 def test_points_are_the_same_alone_in_a_class_in_a_sweep_and_in_a_lab(monkeypatch):
     text = driving(7.5)
     found = []

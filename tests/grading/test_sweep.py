@@ -39,6 +39,7 @@ def values_of(point):
     return None if point is None else point.values
 
 
+@pytest.mark.slow
 def test_a_sweep_is_the_grade_of_each_text_with_that_value():
     swept = sweep(TEXT, "first move", v=[0.02, 0.2], seeds=2)
     assert [point.values for point in swept.points] == [(0.02,), (0.2,)]
@@ -48,6 +49,7 @@ def test_a_sweep_is_the_grade_of_each_text_with_that_value():
     assert [point.passed for point in swept.points] == [0, 2]
 
 
+@pytest.mark.slow
 def test_two_variables_are_swept_in_all_combinations():
     with Session(TEXT) as session:
         swept = sweep(session, "first move", {"on": [False, True]}, v=[0.1, 0.2], seeds=1)

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from grading.answers import ANSWERS
 from grading.test_hints import BACKS, DRIVE, SLOW, rover
 from support.tables import every
@@ -48,6 +49,7 @@ def test_a_wrong_answer_gets_the_hint_that_the_page_quotes(exercise, mistake, wo
         assert any(words in each for each in about), f"{name}: {about}"
 
 
+@pytest.mark.slow
 @every(("exercise", "mistake", "words"), [row for row in ROWS if row[0] == "any"])
 def test_the_hint_that_comes_in_every_exercise_is_the_first_one(exercise, mistake, words):
     made = attempt(jobs_of(*ANY[mistake])[1][0])

@@ -90,6 +90,7 @@ def test_a_robot_that_turns_the_other_way_sees_in_the_mirror_what_it_sees_here(a
     assert seen[0] == pytest.approx(seen[1], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_wheels_wear_within_their_bounds_and_a_robot_drives_as_they_turn():
     worn = [varied(YARD, [wears(0.2, 0.1)], seed) for seed in range(20)]
     wheels = [world.robots[0].wheels for world in worn]

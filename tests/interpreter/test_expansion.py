@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 from typing import NamedTuple
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.story import ORDINARY
@@ -93,6 +94,7 @@ def texts(draw):
     return Text(draw(_of(["0", "3"])), own, part, draw(_of(["0", "4", "g"])), tuple(users))
 
 
+@pytest.mark.slow
 @slow
 @given(texts(), texts(), st.sets(_of(Text._fields)), st.lists(_of([0, 1]), max_size=16), st.booleans())
 def test_a_shared_machine_behaves_as_its_copies(one, other, taken, lights, keep):

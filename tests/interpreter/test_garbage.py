@@ -45,6 +45,7 @@ def edit(interpreter, number):
     interpreter.step(interpreter.now + 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("no_collections")
 def test_a_replaced_program_is_gone_without_a_collection():
     i = Interpreter(parse(edited(1)))
@@ -59,6 +60,7 @@ def test_a_replaced_program_is_gone_without_a_collection():
     assert gc.collect() < 100
 
 
+@pytest.mark.slow
 def test_the_journal_keeps_the_text_of_earlier_programs_and_not_their_objects():
     i = Interpreter(parse(edited(1)))
     i.step(0.0)
@@ -78,6 +80,7 @@ def test_the_journal_keeps_the_text_of_earlier_programs_and_not_their_objects():
     assert i.program.text == edited(3)
 
 
+@pytest.mark.slow
 def test_after_the_last_edit_that_the_journal_keeps_nothing_grows():
     i = Interpreter(parse(edited(1)), journal=12)
     i.step(0.0)

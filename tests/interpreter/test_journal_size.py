@@ -114,6 +114,7 @@ def test_a_proxy_is_weighed_without_being_asked_for_attributes(error):
         assert interpreter.journal == 300
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
 def test_six_hundred_large_values_fit_into_memory():
     program = f"""

@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from support.reference import Reference
@@ -18,6 +19,7 @@ from lrp_jupyter.language.resolution import resolve
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
 
+@pytest.mark.slow
 @slow
 @given(program, st.lists(st.sampled_from([0, 1]), max_size=30))
 def test_production_does_what_the_reference_does(text, lights):
@@ -66,6 +68,7 @@ def test_no_command_and_no_edit_stops_it(text, orders, keep):
     assert {event.kind for event in seen} <= set(EVENT_KINDS)
 
 
+@pytest.mark.slow
 @slow
 @given(program, st.lists(command, max_size=25), st.integers(1, 5))
 def test_going_back_restores_the_moment_after_every_tick(text, orders, back):
@@ -103,6 +106,7 @@ def test_going_back_and_on_again_is_the_straight_run(text, first, more):
     assert moment(winding) == moment(straight)
 
 
+@pytest.mark.slow
 @slow
 @given(program, st.integers(0, 8), st.integers(1, 8), st.integers(0, 99))
 def test_a_rename_changes_nothing_but_a_name(text, first, more, number):
@@ -147,6 +151,7 @@ def test_watching_every_test_changes_nothing(text, ticks):
         assert moment(watched) == moment(plain)
 
 
+@pytest.mark.slow
 @slow
 @given(program, program, st.integers(0, 5))
 def test_an_edit_and_its_inverse_keep_what_was_not_touched(one, other, ticks):

@@ -3,6 +3,7 @@
 from threading import Lock
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.story import started
@@ -42,6 +43,7 @@ def followed(i, robot, orders):
     return moments
 
 
+@pytest.mark.slow
 @slow
 @given(program, st.lists(command, max_size=20), st.lists(command, max_size=20))
 def test_a_copy_goes_on_as_the_run_does(text, before, after):

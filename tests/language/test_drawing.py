@@ -399,6 +399,7 @@ def a_state_that_is_nested_and_unnested_is_as_before(text: str, data: st.DataObj
     assert there.states[-1] == state
 
 
+@pytest.mark.slow
 @given(texts(), st.data())
 def test_an_act_changes_just_what_it_means(text: str, data: st.DataObject) -> None:
     for each in LAWS:

@@ -365,6 +365,7 @@ def test_every_form_can_be_written_as_in_its_usage() -> None:
         parse(around.get(keyword, "{}").format(form))
 
 
+@pytest.mark.slow
 @every("piece", ["[)", "(state a)\n", "]", "*->", "(event e [", "[\n"])
 def test_the_time_for_a_text_full_of_mistakes_grows_with_its_length(piece: str) -> None:
     def steps(count: int) -> int:

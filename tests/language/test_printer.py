@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from programs import programs
 
@@ -8,6 +9,7 @@ from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Program
 
 
+@pytest.mark.slow
 @given(programs)
 def test_a_printed_program_reads_as_the_same_program_and_is_printed_as_before(program: Program) -> None:
     source = to_source(program)

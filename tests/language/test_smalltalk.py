@@ -61,6 +61,7 @@ def _is_python(text: str) -> bool:
         return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("written", "least"), [(_blocks, 1_000), (_python, 50_000)])
 def test_no_python_is_called_smalltalk(written: Callable[[], Iterator[str]], least: int) -> None:
     texts = list(written())
@@ -161,6 +162,7 @@ def _accepted(order: str) -> str:
     raise AssertionError("There is no end of fixes.")
 
 
+@pytest.mark.slow
 @every("order", ORDERS)
 def test_the_listing_becomes_a_program_by_accepting_its_fixes_in_any_order(order: str) -> None:
     text = _accepted(order)

@@ -464,6 +464,7 @@ def test_any_text_is_explained(text):
             assert 0 <= start <= end <= len(text), finding
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

@@ -329,6 +329,7 @@ HANGING = """(var n := [0])
 (spawn m a)"""
 
 
+@pytest.mark.slow
 def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
     monkeypatch.setattr(questions, "REPEATING", 0.2)
     with Session(HANGING, clock=VirtualClock()) as session:

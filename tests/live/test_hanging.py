@@ -196,6 +196,7 @@ def test_an_edit_gets_through_wherever_the_block_is(hanging, place):
     assert runs_on(session).numbers[("n",)] > 0
 
 
+@pytest.mark.slow
 def test_a_hang_names_its_line_and_the_remedy_and_is_an_issue_there(hanging):
     session = hanging(RUNNING.format("\n n = 1\n while True:\n  n += 1"))
     frame = session.frame
@@ -211,6 +212,7 @@ def test_a_hang_names_its_line_and_the_remedy_and_is_an_issue_there(hanging):
     session.wait_for(lambda frame: frame.issues[0].count == 2, LONG)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("act", ["pause", "reset", "stop", "close"])
 def test_a_person_gets_through_to_a_program_that_hangs(hanging, act):
     session = hanging(RUNNING.format(BLOCKS["caught while it sleeps"]))
@@ -312,6 +314,7 @@ def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(session, wal
     assert runs_on(made).issues == ()
 
 
+@pytest.mark.slow
 def test_the_ticks_after_a_block_that_hung_do_not_count_as_hung(hanging):
     session, seen = hanging(RUNNING.format("while True: pass"), "sim", hung_after=1.0), []
     begin_tick = session.bridge.begin_tick
@@ -380,6 +383,7 @@ with Session(program) as session:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="there are no signals to threads")
 def test_debuggers_and_profilers_go_on_after_a_call_was_ended():
     """Python 3.11 hangs in what is traced while it looks for an exception that was called off."""
@@ -467,6 +471,7 @@ def test_a_lock_of_this_package_is_not_left_locked_by_an_interruption(session):
     runs_on(made)
 
 
+@pytest.mark.slow
 def test_closing_waits_for_the_thread_that_tells_of_the_end(hanging, monkeypatch):
     """It ends as soon as it is waited for."""
     made, waited, join = hanging(RUNNING.format("while True: pass")), threading.Event(), threading.Thread.join

@@ -103,6 +103,7 @@ def test_the_world_of_a_slow_session_is_remembered_too():
         assert session.frame.time < 300
 
 
+@pytest.mark.slow
 def test_what_is_remembered_is_dropped_when_no_tick_needs_it(always_rested):
     with started(DRIVER, "sim", world="empty") as session:
         loop = session._loop

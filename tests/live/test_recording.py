@@ -57,6 +57,7 @@ print(again.difference, sha256(repr(seen(again.session)).encode()).hexdigest())
 """
 
 
+@pytest.mark.slow
 def test_a_session_is_reproduced_in_another_process(tmp_path):
     path, tests = str(tmp_path / "run.lrplog"), str(Path(wild.__file__).parents[1])
     noise = {"motor": 0.1, "light": 8}
@@ -998,6 +999,7 @@ def test_a_recording_is_its_users_own_as_long_as_none_of_its_code_was_changed(tm
     assert not is_own(b"".join([path.read_bytes(), *lines[edited : edited + 1]])), "an edit of another one"
 
 
+@pytest.mark.slow
 def test_a_recording_is_read_within_bounds_and_the_error_names_the_line(tmp_path, record, monkeypatch):
     first = record(COUNTER).read_bytes().splitlines(keepends=True)[0]
     path = tmp_path / "other.lrplog.gz"

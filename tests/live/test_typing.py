@@ -1,5 +1,6 @@
 """Typing into a running session, letter by letter, with the cursor."""
 
+import pytest
 from support.tables import every
 
 from lrp_jupyter import Session
@@ -95,6 +96,7 @@ def test_while_the_cursor_is_in_the_active_state_an_error_in_it_waits_even_if_it
     assert typist.offers(0, True).restarted
 
 
+@pytest.mark.slow
 @every(("before", "letters", "brackets"), [*HALF_TYPED, *CONDITIONS, UNKNOWN_MACHINE])
 def test_what_is_half_typed_is_no_fault_in_the_timeline_either(before, letters, brackets):
     for mode in ("restart", "keep"):
@@ -160,6 +162,7 @@ FORMS = [
 ]
 
 
+@pytest.mark.slow
 @every(
     ("letters", "brackets"),
     [
@@ -180,6 +183,7 @@ def test_no_letter_of_a_form_inside_an_active_state_restarts_or_fails(letters, b
         assert [each for each in typist.session.timeline().happenings if each.kind == "issue"] == []
 
 
+@pytest.mark.slow
 @every(("before", "letters", "brackets"), FORMS)
 def test_no_letter_of_a_form_beside_what_runs_restarts_or_fails(before, letters, brackets):
     for types_slowly in (False, True):

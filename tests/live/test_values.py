@@ -61,6 +61,7 @@ def test_no_repr_runs_when_the_session_ends(session, end):
     assert set(calls) == {calls[0]}, "only the loop's thread calls it"
 
 
+@pytest.mark.slow
 def test_a_command_that_does_not_return_is_reported(session):
     gate = threading.Event()
     running = session(SHOWN, rate=100, hung_after=0.2, namespace={"make": int, "wait": gate.wait})

@@ -16,6 +16,7 @@ FEWER = 4
 """Mistakes of each kind that are tried by default."""
 
 
+@pytest.mark.slow
 def test_there_are_mistakes_of_many_kinds_in_many_programs():
     planted = corpus(FEWER, 0)
     assert len(planted) >= 41
@@ -29,6 +30,7 @@ def test_the_programs_have_every_form_of_the_language():
     assert keywords == KEYWORDS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "seed", "least"),
     [
@@ -43,6 +45,7 @@ def test_mistakes_are_explained(count: int, seed: int, least: tuple[float, ...])
     assert all(figure >= one for figure, one in zip(found.values(), least, strict=True)), found
 
 
+@pytest.mark.slow
 def test_no_mistake_in_python_is_called_smalltalk():
     called = {
         kind

@@ -32,6 +32,7 @@ def parsed(line):
         return command.make_context(word, rest, parent=context)
 
 
+@pytest.mark.slow
 @every(("page", "line"), COMMANDS)
 def test_a_command_of_a_page_can_be_typed(page, line):
     parsed(line)

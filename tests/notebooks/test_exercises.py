@@ -97,6 +97,7 @@ def test_every_exercise_has_a_solution_and_every_solution_its_challenge():
 OPENED = {exercise.challenge for exercise in EXERCISES}
 
 
+@pytest.mark.slow
 @every("task", [each for each in BUNDLED if each.name not in OPENED and _solution_of(each.name).exists()])
 def test_the_solution_of_a_challenge_without_a_notebook_passes_in_a_world(task: Challenge):
     _, jobs = jobs_of(_solution_of(task.name).read_text(encoding="utf-8"), task)
@@ -167,6 +168,7 @@ def test_a_lesson_leads_to_five_exercises_of_which_the_fourth_is_open_and_the_pl
     assert bugs == [f"bug {each}" for each in re.findall(r"^\| (\d) \|", answers, re.M)[-len(bugs) :]]
 
 
+@pytest.mark.slow
 @every(
     ("name", "asked", "code"),
     [
@@ -207,6 +209,7 @@ def _sees_the_line_at(speed: float) -> bool:
     return all(attempt(job).passed for job in jobs)
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_faster_than_the_rule_allows_does_not_see_the_line():
     said = prose(read(NOTEBOOKS / "04-what-the-robot-sees.ipynb"))
     assert "at 0.45 m/s and ten ticks per second it moves 4.5 cm" in said
@@ -318,6 +321,7 @@ _LETTERS = {
 }
 
 
+@pytest.mark.slow
 def test_the_six_broken_robots_answer_as_the_notebook_says():
     text = prose(read(BROKEN))
     said = dict(re.findall(r"(\d) ([A-F])\b", text.partition("<summary>The reasons</summary>")[2]))
@@ -353,6 +357,7 @@ def test_each_broken_robot_is_named_by_the_cell_that_opens_it():
 # -- a challenge of one's own --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_no_clock_parks_in_all_garages_and_no_robot_that_rests_again_and_again_parks(monkeypatch):
     notebook = read(NOTEBOOKS / "appendix" / "your-own-challenge.ipynb")
     said = prose(notebook)

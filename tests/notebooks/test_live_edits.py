@@ -101,6 +101,7 @@ def test_the_first_robot_goes_all_the_way_around():
     assert min(furthest) < 0.7
 
 
+@pytest.mark.slow
 def test_the_first_robot_does_not_lose_its_line_while_the_lesson_is_read():
     hello = Typist(HELLO)
     turned = [hello.runs(10).session.bridge.robot.gyro.data for _ in range(30)]
@@ -544,6 +545,7 @@ def _turns_away_from_the_line(story: Typist) -> bool:
     return 12 < story.session.frame.time - began < 20
 
 
+@pytest.mark.slow
 def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
     story = Typist(STORY, "story")
     assert story.comes_to("looking")
@@ -984,6 +986,7 @@ def _tests(stopper: Typist, *typed: tuple[str, str]) -> dict[str, list[int]]:
     return failed
 
 
+@pytest.mark.slow
 def test_the_stopper_is_tested_and_fails_where_the_lesson_says():
     stopper = _stopper()
     assert _tests(stopper) == {"wall after 1 m": []}
@@ -999,6 +1002,7 @@ def test_the_stopper_is_tested_and_fails_where_the_lesson_says():
     assert failed["wall after 0.1 m"] == list(range(10))
 
 
+@pytest.mark.slow
 def test_a_repair_of_the_stopper_breaks_what_had_passed_and_the_next_one_does_not():
     stopper = _stopper()
     kept = (TRIED, "worlds=[room(1)]"), (FAILING, 'noise={"distance": 0.005}'), ("seeds=[0, 1]", "seeds=[1]")

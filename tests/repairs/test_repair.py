@@ -22,6 +22,7 @@ SLOW = "(machine m (state go (running [robot.move(linear=0.02)]))) (spawn m go)"
 IDLE = "(machine m (state waiting)) (spawn m waiting)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "words"),
     [
@@ -39,6 +40,7 @@ def test_the_first_change_of_a_broken_robot_is_what_was_broken(number, words):
     assert grade(found.repairs[0].text, challenge, 2).passed
 
 
+@pytest.mark.slow
 def test_a_planted_number_is_found_and_a_round_one_is_proposed():
     found = repair(SLOW, "first move", seeds=2)
     value = float(re.match(r"`linear=([\d.]+)` instead of `linear=0.02` \(line 1\)", str(found))[1])
@@ -47,6 +49,7 @@ def test_a_planted_number_is_found_and_a_round_one_is_proposed():
     assert (found.passed, found.runs, found.repairs[0].line) == (0, 2, 1)
 
 
+@pytest.mark.slow
 def test_where_no_small_change_helps_this_is_said_with_what_was_tried():
     found = repair(IDLE, "first move", seeds=1)
     assert not found
@@ -72,6 +75,7 @@ def test_it_can_be_stopped_and_says_so():
     assert all(done <= of for done, of in counts)
 
 
+@pytest.mark.slow
 def test_two_searches_give_the_same_answer():
     first, second = (repair(starter("robot 4"), "robot 4", seeds=1) for _ in range(2))
     assert first == second

@@ -27,6 +27,7 @@ from lrp_jupyter.widgets import registry
 AUTOGROUP = "/proc/self/autogroup"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "time", "reason"),
     [
@@ -77,6 +78,7 @@ LINES = [
 """What may be expected of a run of a program that is a little faster; whether it holds, and why not."""
 
 
+@pytest.mark.slow
 def test_what_is_expected_of_a_run_is_a_line(keep):
     file, runs = keep(), []
     for line, _, _ in LINES:
@@ -107,6 +109,7 @@ def test_what_cannot_be_expected_is_refused_and_nothing_is_written(keep, line):
     assert kept_runs(run.file) == (run,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", ["as recorded", "as recorded, reaches away within 30 s"])
 @pytest.mark.parametrize("force", [Session.transition_to, Session.teleport_to])
 def test_a_state_that_was_entered_by_hand_after_the_last_tick_is_entered_again(keep, tmp_path, force, line):
@@ -159,6 +162,7 @@ def slowed(session):
     session.set_variable("pace", evaluate="-0.1")
 
 
+@pytest.mark.slow
 def test_one_run_that_hangs_costs_the_others_nothing_and_says_so(keep):
     good, bad = keep("good"), keep("bad", act=slowed)
     text = LAPS.replace("(running [robot.move(angular=1.0)])", "(running [while pace < 0: pass])")
@@ -234,6 +238,7 @@ def test_a_run_has_another_name_is_recorded_again_or_is_removed_and_nothing_is_l
     assert [each.name for each in kept_runs(file.parent / ".removed")] == ["three"]
 
 
+@pytest.mark.slow
 def test_a_run_that_is_shown_in_a_session_is_the_same_there(keep):
     recording = read_recording(keep(noise={"motor": 0.2}, seed=5))
     with Session(LAPS, "sim", VirtualClock(), world="empty") as session:
@@ -274,6 +279,7 @@ def test_a_run_that_began_otherwise_than_the_program_does_is_not_shown_as_if_it_
     assert (again.initials, again.start) == (start.initials, start.start)
 
 
+@pytest.mark.slow
 def test_what_runs_have_reached_is_what_their_events_say(keep):
     files = [keep("short", seconds=3), keep("long")]
     coverage = decide(LAPS, files).coverage
@@ -302,6 +308,7 @@ def test_a_run_that_is_named_twice_is_run_once(keep):
     assert kept_runs([file, run, file.parent]) == (run,)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path(AUTOGROUP).exists(), reason="only Linux has priorities of sessions")
 def test_a_run_behind_a_lab_gives_way_to_it(keep):
     """Also in the eyes of Linux, which compares the priorities of sessions before those of processes."""
@@ -312,6 +319,7 @@ def test_a_run_behind_a_lab_gives_way_to_it(keep):
         assert decide(text, [run], HowRun(limit=10, behind=behind)).passed is behind
 
 
+@pytest.mark.slow
 def test_the_smallest_change_with_which_kept_runs_pass_is_found(keep):
     folder = keep(seconds=6).parent
     late = LAPS.replace("[1500]", "[3000]")

@@ -54,6 +54,7 @@ def restarted(session):
     session.reset()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("begins_again", [False, True])
 @pytest.mark.parametrize("act", [by_hand, assigned, edited, rewound, settled, restarted])
 def test_a_kept_run_is_the_same_again_whatever_was_done_in_it_and_wherever_it_began(

@@ -73,6 +73,7 @@ def test_everything_is_where_it_was_at_every_time(seed):
     assert_at(placed(evaluate(picture, 15.0 + 1.0 + 3.0), BODY), recorded[3.0][0])  # it begins again
 
 
+@pytest.mark.slow
 def test_it_is_small_and_contains_nothing_but_text():
     simulation = Simulation(yard())
     drive_about(simulation, 1, 60)

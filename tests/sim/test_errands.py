@@ -58,6 +58,7 @@ def test_a_turn_is_as_wide_as_asked_for_by_the_odometer_also_more_than_once_arou
     assert simulation.robot.reckoned[2] == pytest.approx(radians, abs=math.radians(0.3))
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(-2, 2), st.floats(-2, 2)), min_size=1, max_size=3), speeds)
 def test_points_are_reached_one_after_the_other_by_the_odometer(points, speed):
     simulation = field()

@@ -45,6 +45,7 @@ def test_a_test_that_fails_prints_what_the_page_shows(tested):
     assert PRINTED in f"{result.stdout}\n"
 
 
+@pytest.mark.slow
 def test_the_runs_are_decided_about_as_the_page_shows(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name in ("close call", "corridor", "first wall"):

@@ -53,6 +53,7 @@ def test_run_and_pause(lab, page):
     assert lab.session.status == "running"
 
 
+@pytest.mark.slow
 def test_a_block_that_does_not_return_is_interrupted(bench):
     lab = bench("(machine m (state a (running [while True: pass]))) (spawn m a)", hung_after=0.2)
     page = lab.page()

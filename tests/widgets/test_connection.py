@@ -280,6 +280,7 @@ def test_a_slow_page_shows_no_old_frames_however_long_it_is_slow(bench, busy, de
     assert max(tab.run(10)) <= 5 * busy
 
 
+@pytest.mark.slow
 def test_a_page_that_becomes_slow_between_two_frames_gets_the_next_one(bench):
     """A window that becomes smaller than what is in flight holds a frame that asks, or lets one pass."""
     for slow in range(1, 12):

@@ -177,6 +177,7 @@ def test_a_run_of_the_check_is_repeated_in_the_lab_as_it_was():
     goal.session.close()
 
 
+@pytest.mark.slow
 def test_a_run_that_was_broken_is_shown_at_that_moment():
     goal = Watched(challenge("edge guard"))
     goal.checked()
@@ -195,6 +196,7 @@ def test_a_run_of_another_text_is_not_shown(stay):
         stay.show(stay.session, Looking(), 0)
 
 
+@pytest.mark.slow
 def test_hints_come_one_at_a_time_and_only_when_they_are_asked_for():
     goal = Watched(replace(challenge("stop at the line"), seeds=1))
     with pytest.raises(LRPError, match="Press Check first"):
@@ -231,6 +233,7 @@ def test_a_program_that_hangs_is_checked_and_the_lab_goes_on(stay):
     assert stay.shown["check"]["busy"]
 
 
+@pytest.mark.slow
 def test_a_check_about_edits_replaces_the_program_that_the_challenge_begins_with():
     task = challenge("half the speed")
     goal = Watched(task, task.beginning)

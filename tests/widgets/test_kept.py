@@ -116,6 +116,7 @@ def test_in_a_browser_whose_python_has_a_new_home_kept_texts_are_still_this_user
     assert cell(None).session.program.text == B
 
 
+@pytest.mark.slow
 def test_the_notes_about_own_texts_are_bounded(cell, monkeypatch):
     state = Path(os.environ["XDG_STATE_HOME"]) / "lrp-jupyter" / "kept"
     before = set(state.iterdir())
@@ -339,6 +340,7 @@ def test_versions_that_another_program_wrote_are_left_out(cell, tmp_path):
     assert [version.text for version in cell(A).texts.versions] == ["as they were kept before"]
 
 
+@pytest.mark.slow
 def test_revisions_of_a_long_text_cost_no_memory(bench):
     lab = bench(A)
     long = f"{A} ; {'x' * 1_000_000}"

@@ -44,6 +44,7 @@ def beside(bench, tmp_path, monkeypatch):
     return Beside(bench)
 
 
+@pytest.mark.slow
 def test_a_run_is_kept_decided_about_at_an_edit_and_shown_at_its_first_difference(beside):
     beside.keep("wall")
     run = beside.decided()["wall"]
@@ -66,6 +67,7 @@ def test_a_run_is_kept_decided_about_at_an_edit_and_shown_at_its_first_differenc
     assert beside.decided()["wall"]["state"] == "passed"
 
 
+@pytest.mark.slow
 def test_what_is_expected_is_written_by_the_page_and_what_cannot_be_is_refused_there(beside):
     beside.keep("wall", expected="never enters away")
     assert "`away` is entered at" in beside.decided()["wall"]["reason"]
@@ -81,6 +83,7 @@ def test_what_is_expected_is_written_by_the_page_and_what_cannot_be_is_refused_t
     assert beside.runs.folder.joinpath(".removed", "edge.lrplog").exists()
 
 
+@pytest.mark.slow
 def test_only_a_run_that_has_changed_is_run_again_while_the_program_is_the_same(beside):
     for name in ("one", "other"):
         beside.keep(name, seconds=5)
@@ -122,6 +125,7 @@ def test_runs_of_one_name_in_several_folders_are_all_shown(beside, tmp_path):
     assert [run["state"] for run in beside.decided().values()] == ["passed", "failed"]
 
 
+@pytest.mark.slow
 def test_the_newest_of_many_edits_is_the_one_that_is_decided_about(beside):
     for name in ("a", "b", "c"):
         beside.keep(name, seconds=9)

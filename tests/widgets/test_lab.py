@@ -291,6 +291,7 @@ def test_a_saved_notebook_shows_graph_world_and_text_without_a_kernel(make):
     assert "lrp-world" in drawn
 
 
+@pytest.mark.slow
 def test_a_lab_that_is_forgotten_stops_nothing(make):
     session = make(PROGRAM).session
     gc.collect()

@@ -166,6 +166,7 @@ def test_a_code_is_explained_and_all_are_listed(shell, run):
     assert len(run("explain").splitlines()) == len(CODES)
 
 
+@pytest.mark.slow
 def test_a_block_that_does_not_return_is_interrupted_by_its_word(shell, run):
     cell(shell, "mine", A)
     assert "nothing to interrupt" in run("interrupt mine")

@@ -29,6 +29,7 @@ def generator():
     return module
 
 
+@pytest.mark.slow
 def test_the_types_of_the_page_are_made_from_those_of_the_kernel():
     assert generator().generate().count("export interface") > 80
 

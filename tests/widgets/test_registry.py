@@ -265,6 +265,7 @@ def hung(cell):
     return connection
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", [HANGS, None])
 def test_a_text_that_hung_is_not_started_again_by_itself(cell, restart_kernel, impatient, text):
     hung(cell)
@@ -286,6 +287,7 @@ def test_another_text_than_the_one_that_hung_is_started(cell, restart_kernel, im
     assert cell(HANGS).session.status == "paused"
 
 
+@pytest.mark.slow
 def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_kernel, impatient, monkeypatch):
     text = "(machine m (state a (running [while not done: pass]))) (spawn m a)"
     names = {"done": []}

@@ -32,6 +32,7 @@ def searched(bench, tmp_path, monkeypatch):
     return opened
 
 
+@pytest.mark.slow
 def test_a_change_with_which_the_kept_runs_pass_is_found_and_taken(searched):
     lab, page, end = searched(LAPS, world="line")
     assert "Keep a run first" in page.do("find_change")

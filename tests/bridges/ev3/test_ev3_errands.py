@@ -58,6 +58,7 @@ def test_a_way_is_driven_and_ends_where_it_should_with_what_is_left_of_it_meanwh
     assert len(brick.commands) <= 3, "the rest travels with the questions"
 
 
+@pytest.mark.slow
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30)
 @given(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.floats(0.05, 0.4), st.sampled_from(["BC", "B-C", "CB"]))
 def test_a_point_is_reached_however_the_motors_are_built_in(bridge, clock, fresh, x, y, speed, built):

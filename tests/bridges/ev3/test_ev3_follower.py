@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 
+import pytest
+
 from lrp_jupyter.bridges.ev3 import EV3Bridge
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
@@ -17,6 +19,7 @@ WHEEL, TRACK = 0.056, 0.12  # m
 EVERY = 8  # physics steps between two looks at the motors
 
 
+@pytest.mark.slow
 def test_the_follower_goes_there_and_back(brick, make_bridge, clock, monkeypatch):
     simulation, sensors = Simulation("line"), brick.sensors
     sensors[0].type, sensors[1].type, sensors[2].type, sensors[3].type = 16, 126, 29, 30

@@ -141,6 +141,7 @@ def test_what_answers_is_taken_and_told(server: Any) -> None:
     assert f"Back end: {why}." in shown["status"]
 
 
+@pytest.mark.slow
 def test_where_nobody_answers_each_one_says_why() -> None:
     with pytest.raises(
         BridgeError, match=r"No ROS robot answers\. rosbridge: No rosbridge server .*roslaunch"

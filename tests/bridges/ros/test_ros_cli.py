@@ -204,6 +204,7 @@ def test_waiting_for_a_robot_ends_at_once(
     assert (run.communicate(timeout=180)[1], run.returncode) == ("", code)
 
 
+@pytest.mark.slow
 def test_a_robot_that_never_answered_or_of_which_nothing_ever_worked_is_an_exit_code(
     server: Any, drive: Callable[..., Path], tmp_path: Path
 ) -> None:

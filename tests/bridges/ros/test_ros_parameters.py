@@ -118,6 +118,7 @@ def follows(ros: RosBridge, put: Callable[[str, Any], None]) -> None:
         assert sentence in why_missing(ros, "other")
 
 
+@pytest.mark.slow
 def test_a_node_is_asked_over_rosbridge(
     make: Callable[..., RosBridge], graph: Any, server: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -169,6 +169,7 @@ every_field = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.slow
 @given(every_field)
 def test_what_was_filled_arrives_as_it_was_filled(values: dict[str, Any]) -> None:
     types = Types()

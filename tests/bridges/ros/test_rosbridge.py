@@ -187,6 +187,7 @@ def test_without_rosapi_common_types_work_and_it_is_found_when_it_starts(
     until(lambda: ros.topics.get("/new") == "std_msgs/Bool")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_ros2", [False, True], ids=["ROS 1", "ROS 2"])
 @pytest.mark.usefixtures("hasty")
 def test_a_list_of_topics_that_comes_late_or_never_has_no_consequence(
@@ -592,6 +593,7 @@ def test_a_disarmed_robot_gets_a_stop_and_nothing_else_and_closing_stops_it(
     assert set(speeds(graph)) == {0.0, 0.1}
 
 
+@pytest.mark.slow
 def test_the_stop_button_works_while_the_program_hangs(ros: RosBridge, graph: Any) -> None:
     ros.publish("move", "/cmd_vel")
     let_go, hangs = threading.Event(), threading.Event()
@@ -813,6 +815,7 @@ def test_a_certificate_that_is_not_trusted_is_named_with_what_to_do(
         ros.open()
 
 
+@pytest.mark.slow
 def test_a_server_that_does_not_encrypt_is_not_spoken_to_in_the_clear(server: Any) -> None:
     with pytest.raises(BridgeError, match=r"write `ws://` if it does not encrypt"):
         RosBridge(host=f"wss://127.0.0.1:{server.port}", patience=2).open()

@@ -94,6 +94,7 @@ def stranger() -> Iterator[Callable[[bytes], int]]:
         listener.close()
 
 
+@pytest.mark.slow
 def test_opening_fails_where_no_rosbridge_server_is_and_says_how_to_start_one(
     stranger: Callable[[bytes], int], make: Make, graph: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -153,6 +154,7 @@ def test_neither_back_end_is_imported_before_the_bridge_is_opened() -> None:
 # -- a server that dies ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_server_that_was_lost_gets_a_stop_and_no_old_command(
     driver: RosBridge, graph: Any, wire: Any
 ) -> None:
@@ -333,6 +335,7 @@ def test_a_large_message_on_its_way_is_a_sign_of_life(
     assert notices(driver) == []
 
 
+@pytest.mark.slow
 def test_a_link_that_is_slow_but_steady_is_told_and_given_more_time(
     driver: RosBridge, wire: Any, graph: Any, clock: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:

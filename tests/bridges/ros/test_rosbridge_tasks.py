@@ -202,6 +202,7 @@ def test_a_service_that_the_end_of_a_run_calls_is_reached_before_the_connection_
     until(lambda: called == [True])
 
 
+@pytest.mark.slow
 def test_the_cancels_of_two_goals_leave_through_a_line_that_was_held_up(
     make: Make, wire: Any, graph: Any
 ) -> None:

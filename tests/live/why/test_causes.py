@@ -3,6 +3,7 @@
 from numbers import Real
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.reference import Reference, Skip, find
@@ -128,6 +129,7 @@ class Witness(Reference):
         )
 
 
+@pytest.mark.slow
 @slow
 @given(program, st.lists(st.sampled_from([0, 1]), min_size=1, max_size=25))
 def test_the_reason_is_the_one_that_was_seen(text, lights):

@@ -17,6 +17,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
 from support.tables import every
 
 from lrp_jupyter import Session, VirtualClock
@@ -118,6 +119,7 @@ def perform(session: Session, act: str) -> None:
             raise ValueError(act)
 
 
+@pytest.mark.slow
 @every("planted", map(read, CASES))
 def test_the_answer_names_the_bug(planted: Planted) -> None:
     with opened(planted) as session:

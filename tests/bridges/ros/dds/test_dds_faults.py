@@ -70,6 +70,7 @@ def test_what_is_no_topic_is_refused_with_the_back_end_that_has_it(connect: Make
 # -- opening ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("impatient")
 def test_where_nobody_is_opening_fails_and_says_what_to_look_at(make: Make, domain: int) -> None:
     ros = make(patience=2)
@@ -155,6 +156,7 @@ def test_the_environment_of_ros_2_is_heeded(
     assert all(part in config for part in parts), config
 
 
+@pytest.mark.slow
 def test_two_bridges_share_a_domain_but_not_two_networks(make: Make, other: DdsNode) -> None:
     first, second = make(), make()
     first.open()

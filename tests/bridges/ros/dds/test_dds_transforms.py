@@ -47,6 +47,7 @@ def publish(domain: int) -> Iterator[Callable[..., None]]:
     network.__del__()
 
 
+@pytest.mark.slow
 def test_all_that_is_kept_comes_and_what_moves_is_the_newest(
     publish: Callable[..., None], connect: Callable[..., RosBridge]
 ) -> None:
