@@ -30,31 +30,43 @@ class Fingers:
 
     def tap(self, x, y, count):
         """Tap as fast as a person does, however slow the page is to hear of each touch."""
-        begun = time()
-        for n in range(count):
-            self.touch("touchStart", (x, y), timestamp=begun + n * 0.1)
-            self.touch("touchEnd", timestamp=begun + n * 0.1 + 0.03)
+        was_long = True
+        while was_long:
+            begun, was_long = time(), False
+            for n in range(count):
+                self.touch("touchStart", (x, y), timestamp=begun + n * 0.1)
+                self.touch("touchEnd", timestamp=begun + n * 0.1 + 0.03)
+                was_long = was_long or self.was_long()
 
     def drag(self, start, end):
-        """Drag, again where a page so slow has taken the press for a long one."""
         was_long = True
         while was_long:
             self.touch("touchStart", start)
-            for at in between(start, end, STEPS):
-                self.touch("touchMove", at)
-            was_long = self.page.locator(ANSWERS).count() > 0
-            self.touch("touchEnd")
-            if was_long:
-                self.page.keyboard.press("Escape")
+            was_long = self.move_all([(at,) for at in between(start, end, STEPS)])
 
     def two(self, starts, ends):
         """Put two fingers down, one after the other, and move them."""
-        self.touch("touchStart", starts[0])
-        self.touch("touchStart", *starts)
-        ways = [between(start, end, STEPS) for start, end in zip(starts, ends, strict=True)]
-        for points in zip(*ways, strict=True):
+        was_long = True
+        while was_long:
+            self.touch("touchStart", starts[0])
+            self.touch("touchStart", *starts)
+            ways = [between(start, end, STEPS) for start, end in zip(starts, ends, strict=True)]
+            was_long = self.move_all(zip(*ways, strict=True))
+
+    def move_all(self, moves):
+        """Move all fingers, and take them away; return whether it was nothing but a long press."""
+        for points in moves:
             self.touch("touchMove", *points)
+        was_long = self.was_long()
         self.touch("touchEnd")
+        return was_long
+
+    def was_long(self):
+        """Whether a page so slow has taken a touch for a long one, as it may; close what has answered it."""
+        is_answered = self.page.locator(ANSWERS).count() > 0
+        if is_answered:
+            self.page.keyboard.press("Escape")
+        return is_answered
 
 
 def between(start, end, steps):

@@ -16,7 +16,8 @@ TABLET = {
 ZERO = '[data-lrp-state="watch/zero"] .lrp-box'
 BAR = ".lrp-splitter-columns:not([hidden])"
 PLAYHEAD = ".lrp-playhead"
-SCROLLED = "document.querySelector('.jp-WindowedPanel-outer').scrollTop"
+NOTEBOOK = "document.querySelector('.jp-WindowedPanel-outer')"
+SCROLLED = f"{NOTEBOOK}.scrollTop"
 PLACE_OF = """([line, text]) => {
   const walk = document.createTreeWalker(line, NodeFilter.SHOW_TEXT);
   while (!walk.nextNode().data.includes(text));
@@ -108,13 +109,12 @@ def ask(lab, fingers):
 def scroll_the_notebook(lab, fingers):
     """One finger scrolls over both pictures, unless it has grabbed something."""
     for picture in (".lrp-graph", ".lrp-canvas"):
+        lab.page.evaluate(f"{NOTEBOOK}.scrollTo(0, 80)")  # JupyterLab may have stayed at the top
         box, before = lab.at_rest(picture), scrolled(lab)
         x, y = box["x"] + 12, box["y"] + box["height"] - 12
         fingers.drag((x, y), (x, y + 80))
         lab.page.wait_for_function(f"before => {SCROLLED} < before - 50", arg=before)
-        lab.page.evaluate(
-            "before => document.querySelector('.jp-WindowedPanel-outer').scrollTo(0, before)", before
-        )
+    lab.page.evaluate(f"{NOTEBOOK}.scrollTo(0, 80)")
     box, before = lab.at_rest(ZERO), scrolled(lab)
     x, y = middle(box)
     fingers.drag((x, y), (x, y + 40))

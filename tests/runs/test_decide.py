@@ -1,6 +1,7 @@
 """Kept runs are run again with another text, and judged by what is expected of each."""
 
 import json
+import os
 from pathlib import Path
 from threading import Event
 
@@ -312,7 +313,7 @@ def test_a_run_that_is_named_twice_is_run_once(keep):
 @pytest.mark.skipif(not Path(AUTOGROUP).exists(), reason="only Linux has priorities of sessions")
 def test_a_run_behind_a_lab_gives_way_to_it(keep):
     """Also in the eyes of Linux, which compares the priorities of sessions before those of processes."""
-    low = f"__import__('os').nice(0) == 10 and ' nice 10' in open('{AUTOGROUP}').read()"
+    low = f"__import__('os').nice(0) == {os.nice(0) + 10} and ' nice 10' in open('{AUTOGROUP}').read()"
     text = LAPS.replace("pace < 0", low)
     run = expect(kept_runs(keep(text=text, seconds=0.3))[0], "reaches aside")
     for behind in (False, True):
