@@ -74,6 +74,7 @@ def test_a_class_with_several_challenges_is_a_table_and_goes_into_pages_and_a_gr
     ]
 
 
+@pytest.mark.slow
 def test_several_files_are_a_class_and_one_file_is_explained(lrp, group, tmp_path):
     result = lrp("grade", group / "ada.lrp", group / "bob.lrp", "--challenge", "first move")
     assert (result.exit_code, "1 of 2 passed" in result.stdout) == (0, True)

@@ -148,6 +148,7 @@ def test_a_recording_is_asked_why(lrp, recorded):
     assert "`drive.running` (line 5)" in lrp("why", path, "robot.move", "--at", "1.5").stdout
 
 
+@pytest.mark.slow
 def test_a_recording_or_trace_never_overwrites_what_the_run_reads_or_writes(lrp, program, tmp_path):
     path, other = program(TEXT), tmp_path / "run.lrplog"
     (link := tmp_path / "link.lrp").symlink_to(path)

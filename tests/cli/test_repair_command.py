@@ -9,6 +9,7 @@ from lrp_jupyter.grading.bundled.starters import starter
 IDLE = "(machine m (state waiting)) (spawn m waiting)"
 
 
+@pytest.mark.slow
 def test_the_command_prints_the_change_and_writes_the_program(lrp, tmp_path):
     mine, mended = tmp_path / "mine.lrp", tmp_path / "mended.lrp"
     mine.write_text(starter("robot 5"))

@@ -61,6 +61,7 @@ def test_a_file_that_is_gone_is_told_at_once_and_once_though_others_beside_it_ar
     assert [type(each) for each in said] == [FileError, str]
 
 
+@pytest.mark.slow
 @every(
     "arguments",
     [

@@ -53,6 +53,7 @@ def test_what_is_read_of_a_whole_program_is_the_program(text):
     assert matched(text) == [*tokenize(text)]
 
 
+@pytest.mark.slow
 @given(programs, st.lists(st.tuples(st.integers(0, 10**6), WORDS), max_size=4), st.integers(0, 10**6))
 def test_an_editor_is_answered_whatever_is_written(text, additions, place):
     for at, word in additions:

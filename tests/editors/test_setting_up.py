@@ -18,6 +18,7 @@ def lrp(*arguments):
     return CliRunner().invoke(app, list(map(str, arguments)))
 
 
+@pytest.mark.slow
 def test_the_package_for_vscode_holds_all_that_it_names_and_starts_this_lrp(tmp_path):
     done = lrp("editor", "vscode", tmp_path / "new")
     assert done.exit_code == 0

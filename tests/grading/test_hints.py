@@ -77,6 +77,7 @@ def test_a_command_that_holds_long_enough_is_not_blamed():
     assert "onentry" not in hints(text, "bump and stay")
 
 
+@pytest.mark.slow
 def test_of_a_misspelt_name_the_hint_says_what_is_meant():
     assert "Did you mean `speed`?" in hints("(var speed := [1])" + DRIVE.replace("0.2", "sped"), "square")
     text = DRIVE.replace("(state driving", "(state bumped (running [robot.stpo()])) (state driving")

@@ -61,6 +61,7 @@ def test_what_a_command_has_written_is_there_when_the_next_tick_begins_though_a_
     assert i.history.state(1, before=True).variables["n",] == 1
 
 
+@pytest.mark.slow
 @slow
 @given(program, st.lists(command, max_size=40))
 def test_the_facts_of_a_tick_are_the_events_of_it(text, orders):

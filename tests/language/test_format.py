@@ -48,6 +48,7 @@ def texts(draw: st.DrawFn) -> str:
     return text + spaces.choice(SPACES)
 
 
+@pytest.mark.slow
 @given(texts())
 def test_only_white_space_changes_and_formatting_twice_changes_nothing_more(text: str) -> None:
     after = formatted(text)

@@ -20,6 +20,7 @@ def test_commands_are_applied_in_the_order_in_which_they_were_queued():
     assert commands(inbox) == [Reset(), Step(), Reset(), SetRate(5)]
 
 
+@pytest.mark.slow
 def test_a_pause_overtakes_what_waits_and_cancels_what_would_move_the_robot():
     inbox = Inbox()
     answers = [inbox.put(command) for command in (Reset(), Resume(), *[Step()] * 10_000, SetRate(5))]

@@ -43,6 +43,7 @@ def reach(session):
     return first, session.frame.time - session.at(first).time
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [100, 350])
 def test_a_fast_session_remembers_the_last_minute(rate):
     with started(rate=rate) as session:
@@ -149,6 +150,7 @@ def test_a_fork_is_never_far_from_a_checkpoint(always_rested):
             assert len(session._loop.record.moments) <= 6_500
 
 
+@pytest.mark.slow
 def test_memory_does_not_grow_after_that(always_rested):
     tracemalloc.start()
     try:

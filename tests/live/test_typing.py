@@ -195,6 +195,7 @@ def test_no_letter_of_a_form_beside_what_runs_restarts_or_fails(before, letters,
         assert typist.session.frame.active == (("m", "carrying", "move", "reached"),)
 
 
+@pytest.mark.slow
 @every(
     ("before", "letters", "brackets"),
     [

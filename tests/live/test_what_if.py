@@ -107,6 +107,7 @@ def test_both_courses_begin_at_the_same_moment_of_a_session_that_goes_on():
         assert session.interpreter.tick > what_if.tick
 
 
+@pytest.mark.slow
 def test_a_touch_is_told_with_its_moment_and_its_solid():
     with Session(INTO_THE_WALL, "sim", world="line") as session:
         touch = session.what_if(seconds=60).changed.touch

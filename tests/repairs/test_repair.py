@@ -61,6 +61,7 @@ def test_where_no_small_change_helps_this_is_said_with_what_was_tried():
     assert str(passing) == "The program passes as it is (1 of 1 runs)."
 
 
+@pytest.mark.slow
 def test_it_can_be_stopped_and_says_so():
     halt, counts = Halt(), []
 
@@ -86,6 +87,7 @@ def test_a_text_that_is_no_program_is_refused():
         repair("(machine", "first move")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["square", "bump and turn", "debug the printed listing"])
 def test_a_witness_does_what_the_program_does(name):
     text = (SOLUTIONS / f"{name.replace(' ', '-')}.lrp").read_text("utf-8")

@@ -220,6 +220,7 @@ def test_a_run_that_has_another_name_keeps_what_is_expected_of_it(keep, name):
     assert kept_runs(run.file.parent) == (run,)
 
 
+@pytest.mark.slow
 def test_a_run_has_another_name_is_recorded_again_or_is_removed_and_nothing_is_lost(keep):
     file, other = keep("one"), keep("two")
     expect(kept_runs(file)[0], "reaches away")

@@ -176,6 +176,7 @@ def possible(script):
     return done
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(inputs, st.integers(0, 60)), min_size=1, max_size=25).map(possible), st.data())
 def test_whatever_acts_every_moment_can_be_gone_back_to(script, data):
     simulation = Simulation(crowded())

@@ -101,6 +101,7 @@ def test_only_a_run_that_has_changed_is_run_again_while_the_program_is_the_same(
     assert beside.decided()["other"]["seconds"] == pytest.approx(11, abs=0.11)
 
 
+@pytest.mark.slow
 def test_a_new_run_begins_at_the_start_and_the_recordings_of_a_folder_are_shown_too(beside, tmp_path):
     beside.session.run(3)
     assert beside.page.do("new_run") is None
@@ -114,6 +115,7 @@ def test_a_new_run_begins_at_the_start_and_the_recordings_of_a_folder_are_shown_
     assert [*beside.decided()] == ["strange"]
 
 
+@pytest.mark.slow
 def test_runs_of_one_name_in_several_folders_are_all_shown(beside, tmp_path):
     beside.keep("run", seconds=3)
     shutil.copytree(tmp_path / "laps.runs", tmp_path / "other")

@@ -387,6 +387,7 @@ def test_a_mistake_shows_no_traceback(shell, capsys):
     assert "UsageError: %lrp: There is no command or program `nothing`" in output.out + output.err
 
 
+@pytest.mark.slow
 def test_words_names_and_options_complete(shell):
     cell(shell, "mine", A)
 

@@ -37,6 +37,7 @@ def test_a_command_that_a_block_holds_up_is_answered_after_a_second_with_what_it
     assert page.last("reply")["error"].startswith("This waits: `a.running` has run for ")
 
 
+@pytest.mark.slow
 def test_a_pause_waits_until_the_block_is_interrupted_and_is_no_error(bench, inside):
     lab = bench(
         "(machine m (state a (running [inside.set()] [while True: pass]))) (spawn m a)",

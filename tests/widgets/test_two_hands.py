@@ -3,6 +3,7 @@
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.bench import Bench
@@ -199,6 +200,7 @@ def perform(lab, typists, step):
             typists[name].hello()
 
 
+@pytest.mark.slow
 @MANY
 @given(st.lists(STEPS, max_size=60))
 def test_two_typists_end_with_the_kernels_text_whatever_their_links_do(steps):

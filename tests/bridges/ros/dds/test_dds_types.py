@@ -74,6 +74,7 @@ def test_what_is_sent_is_what_rosbags_writes_and_arrives_as_it_was(message: tupl
     assert again == sent
 
 
+@pytest.mark.slow
 def test_every_type_of_a_distribution_can_be_sent() -> None:
     for name in TYPES.names():
         TYPES.struct(name)
