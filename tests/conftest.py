@@ -19,6 +19,7 @@ settings.register_profile("few", always, max_examples=8, derandomize=True)
 settings.register_profile("long", always, max_examples=150, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
+os.environ.pop("VIRTUAL_ENV", None)  # IPython warns if it is not the one of these tests
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # in a shell's background; children inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)
 if hasattr(signal, "SIGHUP"):  # by `nohup`, which a program obeys

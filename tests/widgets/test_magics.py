@@ -41,9 +41,7 @@ def one_shell(tmp_path_factory):
     config = Config()
     config.HistoryManager.enabled = False
     config.InteractiveShell.colors = "nocolor"
-    with pytest.MonkeyPatch.context() as patch:
-        patch.delenv("VIRTUAL_ENV", raising=False)  # IPython warns if it is not the one of these tests
-        shell = InteractiveShell(config=config, ipython_dir=str(tmp_path_factory.mktemp("ipython")))
+    shell = InteractiveShell(config=config, ipython_dir=str(tmp_path_factory.mktemp("ipython")))
     shell.extension_manager.load_extension("lrp_jupyter")
     yield shell
     shell.history_manager.end_session()
