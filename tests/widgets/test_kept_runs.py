@@ -102,6 +102,27 @@ def test_only_a_run_that_has_changed_is_run_again_while_the_program_is_the_same(
 
 
 @pytest.mark.slow
+def test_what_all_runs_cover_is_told_once_the_newest_is_decided(beside, monkeypatch):
+    began, is_kept = Event(), Event()
+
+    def decide_late(*args, **options):
+        decide(*args, **options)
+        began.set()
+        assert is_kept.wait(60)
+
+    monkeypatch.setattr("lrp_jupyter.widgets.views.shown_runs.decide", decide_late)
+    beside.keep("one", seconds=5)
+    beside.runs.view(beside.session)
+    assert began.wait(60)
+    beside.keep("other", seconds=5)
+    is_kept.set()
+    assert {name: run["state"] for name, run in beside.decided().items()} == {
+        "one": "passed",
+        "other": "passed",
+    }
+
+
+@pytest.mark.slow
 def test_a_new_run_begins_at_the_start_and_the_recordings_of_a_folder_are_shown_too(beside, tmp_path):
     beside.session.run(3)
     assert beside.page.do("new_run") is None
