@@ -148,7 +148,16 @@ class Suite:
             shutil.copytree(_ROOT, copied, symlinks=True, ignore=shutil.ignore_patterns(".git", ".venv*"))
             self._copies.put(copied)
         if not log.exists():
-            command = _pytest("--durations=0", "-vv", "--cov", "--cov-context=test", "--cov-report=", _PLAIN)
+            command = _pytest(
+                "--durations=0",
+                "-vv",
+                "-p",
+                "pytest_cov",
+                "--cov",
+                "--cov-context=test",
+                "--cov-report=",
+                _PLAIN,
+            )
             with log.open("w") as file:
                 subprocess.run(
                     command, cwd=_ROOT, env=os.environ | {"COVERAGE_FILE": str(measured)}, stdout=file

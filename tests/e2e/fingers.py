@@ -54,7 +54,7 @@ class Fingers:
             was_long = self.move_all(zip(*ways, strict=True))
 
     def move_all(self, moves):
-        """Move all fingers, and take them away; return whether it was nothing but a long press."""
+        """Move the fingers and lift them; return whether the page has taken that for a long press."""
         for points in moves:
             self.touch("touchMove", *points)
         was_long = self.was_long()
@@ -62,7 +62,7 @@ class Fingers:
         return was_long
 
     def was_long(self):
-        """Whether a page so slow has taken a touch for a long one, as it may; close what has answered it."""
+        """Whether a slow page has taken a touch for a long press; close what that has opened."""
         is_answered = self.page.locator(ANSWERS).count() > 0
         if is_answered:
             self.page.keyboard.press("Escape")

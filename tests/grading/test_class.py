@@ -23,7 +23,7 @@ from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.summary import summaries
 from lrp_jupyter.grading.workers import HowRun
 
-pytestmark = pytest.mark.slow  # a class is graded
+pytestmark = pytest.mark.slow  # grades a whole class
 
 READ = {"both", "first", "guess", "given", "weak", "text", "hang", "crash"}
 

@@ -28,7 +28,7 @@ from lrp_jupyter.grading.submissions import Submission
 from lrp_jupyter.grading.workers import HowRun
 from lrp_jupyter.programs import load, names
 
-pytestmark = pytest.mark.slow  # what does not end is ended after seconds
+pytestmark = pytest.mark.slow  # programs that hang are ended after seconds
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 FIRST = challenge("first move")

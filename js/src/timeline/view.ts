@@ -47,8 +47,8 @@ export function timelineView(lab: Lab, looking: Looking, keepRun: () => void): H
   let styleOf = trailStyles(store.state.program, TRAIL_COLORS);
   let stillUntil = 0; // nothing moves away under a pointer that is aiming
   const shown = new TimeWindow(store, () => now());
-  let later: ReturnType<typeof setTimeout> | undefined; // when it is drawn
-  let next: ReturnType<typeof setTimeout> | undefined; // when the kernel is asked
+  let later: ReturnType<typeof setTimeout> | undefined; // draws what a pointer has put off
+  let next: ReturnType<typeof setTimeout> | undefined; // asks what it was too soon to ask
 
   const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
   const playhead = h("div", {
@@ -113,7 +113,7 @@ export function timelineView(lab: Lab, looking: Looking, keepRun: () => void): H
       clearTimeout(next);
       const wait = answered + (isNews || plots.length ? NEWS_AFTER : ALL_AFTER) - drawn;
       if (wait <= 0) await read();
-      else next = setTimeout(ask, wait); // a paused program has no other tick to ask in
+      else next = setTimeout(ask, wait); // a paused program has no tick to come that would ask
       clearTimeout(later);
       if (performance.now() >= stillUntil) redraw();
       else later = setTimeout(redraw, stillUntil - performance.now());

@@ -153,8 +153,7 @@ class ShownRuns:
                 error = traceback.format_exc()
             with self._lock:
                 self._error = error
-                is_newest = done == self._number
-                if is_newest and not error and len(self._decided) == len(self._runs) > 0:
+                if done == self._number and not error and len(self._decided) == len(self._runs) > 0:
                     runs = [self._outcomes[run.file].coverage for run in self._runs]
                     self._coverage = _coverage_view(program, runs)
             self._wake()
