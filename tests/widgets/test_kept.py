@@ -6,7 +6,6 @@ import json
 import os
 import random
 import tracemalloc
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -117,13 +116,13 @@ def test_in_a_browser_whose_python_has_a_new_home_kept_texts_are_still_this_user
 
 
 @pytest.mark.slow
-def test_the_notes_about_own_texts_are_bounded(cell, monkeypatch):
-    state = Path(os.environ["XDG_STATE_HOME"]) / "lrp-jupyter" / "kept"
-    before = set(state.iterdir())
+def test_the_notes_about_own_texts_are_bounded(cell, monkeypatch, tmp_path):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     connection = cell(A)
     for number in range(1200):
         connection.saver.kept.write(".lrp", text(number))
-    (notes,) = (each for each in set(state.iterdir()) - before if each.stat().st_size > 1000)
+    files = (tmp_path / "state" / "lrp-jupyter" / "kept").iterdir()
+    (notes,) = (each for each in files if each.stat().st_size > 1000)
     assert notes.stat().st_size < 70_000
     assert connection.saver.kept.is_own(".lrp", text(1199))
     assert not connection.saver.kept.is_own(".lrp", EVIL)
