@@ -142,20 +142,26 @@ def _note(errors, error):
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item):
     report = yield
-    if report.when == "call" and report.failed and "context" in item.funcargs:
-        for page in item.funcargs["context"].pages:
-            if "server" in item.funcargs:
-                page.screenshot(path=item.funcargs["server"].root.parent / f"{item.name}.png")
-            report.sections.append(("what the page shows", page.locator("body").inner_text()))
-            forget(page)
-            page.close()
-    if report.when == "call" and report.failed and "alone" in item.funcargs:
-        for context in item.funcargs["alone"].contexts:
-            for page in context.pages:
-                text = f"{page.url}\n{page.locator('body').inner_text()}"
-                report.sections.append(("what a page of the site shows", text))
-        report.sections.append(("what its pages said", "\n".join(_said)))
+    if report.when == "call" and report.failed:
+        browsers = {item.funcargs[name] for name in ("alone", "browser") if name in item.funcargs}
+        if "context" in item.funcargs:
+            browsers.add(item.funcargs["context"].browser)
+        contexts = [context for browser in browsers for context in browser.contexts]
+        for page in [page for context in contexts for page in context.pages]:
+            report.sections.append(("what a page shows", _shown(page)))
+            if page.context is item.funcargs.get("context"):
+                if "server" in item.funcargs:
+                    page.screenshot(path=item.funcargs["server"].root.parent / f"{item.name}.png")
+                forget(page)
+                page.close()
+        if "alone" in item.funcargs:
+            report.sections.append(("what the pages of the site said", "\n".join(_said)))
     return report
+
+
+def _shown(page):
+    labs = page.locator('[data-lrp="lab"]').evaluate_all("labs => labs.map(lab => ({...lab.dataset}))")
+    return "\n".join([page.url, *map(str, labs), page.locator("body").inner_text()])
 
 
 @pytest.fixture

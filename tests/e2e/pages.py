@@ -27,6 +27,8 @@ AT_REST = """async (root, selector) => {
     if (frame > 2000) throw new Error(`${selector} does not come to rest: ${last}`);
     const node = root.querySelector(selector);
     const { x, y, width, height } = node?.getBoundingClientRect() ?? {};
+    const hit = width > 0 && root.getRootNode().elementFromPoint(x + width / 2, y + height / 2);
+    if (width > 0 && !root.contains(hit)) node.scrollIntoView({ block: "center" });
     const now = JSON.stringify([x, y, width, height, node?.dataset.view]);
     const settled = width > 0 && !node.closest("[data-unsettled]");
     same = settled && now === last ? same + 1 : 0;
@@ -217,7 +219,7 @@ class LabPage:
         )
 
     def at_rest(self, selector):
-        """Wait until something has not moved for ten frames; return its rectangle in the window, in px."""
+        """Wait until something is in sight and has not moved for ten frames; return its rectangle, in px."""
         return self.root.evaluate(AT_REST, selector)
 
     def reads(self, selector, text):

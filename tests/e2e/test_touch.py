@@ -161,8 +161,8 @@ def change_a_number(lab, fingers):
 
 
 def pause_at_a_line(lab, fingers):
+    gutter = lab.at_rest(".lrp-breakpoint-gutter")
     line = lab.find(".cm-line:has-text('(ontime')").bounding_box()
-    gutter = lab.box(".lrp-breakpoint-gutter")
     fingers.click(gutter["x"] + 12, line["y"] + line["height"] / 2)
     lab.ready("paused")
 
