@@ -15,6 +15,7 @@ import stat
 import time
 import traceback
 import unicodedata
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
@@ -30,9 +31,12 @@ _DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt"
 _OPEN_ELSEWHERE = (5, 32)  # what Windows calls it: denied, or shared
 
 
-def write_file(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text to a file, as a whole or not at all; a link is replaced, not followed.
+def write_file(
+    path: str | os.PathLike[str], text: str, last: Callable[[], object] = lambda: None
+) -> os.stat_result:
+    """Write a text to a file, as a whole or not at all; a link is replaced, not followed. Return its status.
 
+    `last` is called when all is ready; what it raises leaves the file as it is.
     Raises FileError: it cannot be written; the message gives the reason.
     """
     file = Path(path)
@@ -53,7 +57,10 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
                 stream.write(data)
             if mode is not None:
                 os.chmod(beside, mode)
+            status = os.lstat(beside)
+            last()
             _replace(beside, file)
+            return status
         except BaseException:
             with suppress(OSError):
                 os.unlink(beside)

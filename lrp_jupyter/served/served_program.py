@@ -46,12 +46,14 @@ class ServedProgram(PageConnection):
         """Look whether another program has saved this text in the file; return whether so."""
         if self.file is None or self.file.read_again() != saved:  # it is being written: there will be another
             return False
-        before = self.texts.revision
         if self.read_only:
             self.texts.follow(saved)
-        else:
-            self.saver.look()
-        return self.texts.revision != before
+            return True
+        self.saver.look()
+        is_followed = self.saver.followed == saved  # now, or before this was called
+        if is_followed:
+            self.saver.followed = None
+        return is_followed
 
     def change_bridge(self, bridge: str | Bridge, **options: Any) -> None:
         """Refuse: the robot is that of the command."""

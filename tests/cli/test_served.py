@@ -17,6 +17,7 @@ from support.served import ServedRun, closed
 from support.waiting import no_thread_left, until
 from websockets.exceptions import InvalidStatus
 
+from lrp_jupyter import files
 from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.served import page_server
@@ -411,6 +412,29 @@ def test_with_watch_a_save_comes_to_the_pages_also_one_that_is_no_program(serve,
         assert page.replace("n +]", "n + 4]")["accepted"]
         until(lambda: "n + 4" in file.read_text())
     assert run.output.read_text().count("saved: ") == 1, "what a page writes does not count as a save"
+
+
+@pytest.mark.parametrize("after", ["changed", "_mode_of", "_replace"])
+def test_a_save_that_comes_while_the_run_writes_the_file_is_an_edit_like_others(tmp_path, monkeypatch, after):
+    file, typed, broken = tmp_path / "my.lrp", COUNT.replace("n + 1", "n + 3"), COUNT.replace("n + 1", "n +")
+    file.write_text(COUNT)
+    program = ServedProgram(Session(COUNT, NullBridge()), COUNT, file, follows=True)
+    program.texts.write(typed)
+    owner = program.file if after == "changed" else files
+    at_first = getattr(owner, after)
+
+    def and_another_saves(*arguments):
+        monkeypatch.undo()
+        found = at_first(*arguments)
+        file.write_text(broken)
+        return found
+
+    monkeypatch.setattr(owner, after, and_another_saves)
+    program.publish()
+    assert file.read_text() == broken
+    program.publish()
+    assert [program.look(broken), program.look(broken)] == [True, False], "which is told once"
+    assert (program.texts.text, file.read_text()) == (broken, broken)
 
 
 def test_without_watch_the_pages_ask_before_they_replace_what_another_program_has_written(serve, tmp_path):

@@ -37,6 +37,10 @@ _LONGEST_NAME = 100
 _Signature = tuple[int, int, int]
 
 
+class OverwritingError(Exception):
+    """It would replace what another program has written since the last look."""
+
+
 @dataclass(frozen=True)
 class Version:
     """An earlier text of a program."""
@@ -117,12 +121,17 @@ class Kept:
         text = read_file(self.file(ending))
         if text is not None:
             self._known[ending] = signature, digest(text)
+        elif signature is not None:
+            self._known.pop(ending, None)
         return text
 
     def write(self, ending: str, text: str) -> None:
-        """Write a text to a file, and note that this user wrote it."""
-        written = digest(text)
-        if self._known.get(ending) == (self._signature(ending), written) and self.is_own(ending, text):
+        """Write a text to a file, and note that this user wrote it.
+
+        Raises FileError: it cannot be written; OverwritingError: it is not what was last read or written.
+        """
+        written, known = digest(text), self._known.get(ending)
+        if known == (self._signature(ending), written) and self.is_own(ending, text):
             return
         if self.folder.is_symlink():
             raise FileError(f"`{shown(self.folder)}` is a link, so nothing is kept in it. Use a folder.")
@@ -134,8 +143,13 @@ class Kept:
             ) from None
         except OSError as error:
             raise FileError(f"`{shown(self.folder)}` cannot be created: {error.strerror}.") from error
-        write_file(self.file(ending), text)
-        self._known[ending] = self._signature(ending), written
+
+        def still_known() -> None:
+            if known is not None and self._signature(ending) not in (None, known[0]):
+                raise OverwritingError
+
+        status = write_file(self.file(ending), text, still_known)
+        self._known[ending] = _signature_of(status), written
         own.note_own(self.home + ending, written)
 
     def is_own(self, ending: str, text: str) -> bool:
@@ -185,4 +199,8 @@ class Kept:
             status = os.lstat(self.file(ending))
         except (OSError, ValueError):
             return None
-        return status.st_mtime_ns, status.st_size, status.st_ino
+        return _signature_of(status)
+
+
+def _signature_of(status: os.stat_result) -> _Signature:
+    return status.st_mtime_ns, status.st_size, status.st_ino

@@ -16,7 +16,7 @@ from lrp_jupyter.errors import FileError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.own import digest
 from lrp_jupyter.widgets.text.conflicts import Conflict
-from lrp_jupyter.widgets.text.kept import Kept, Remembered, newest
+from lrp_jupyter.widgets.text.kept import Kept, OverwritingError, Remembered, newest
 from lrp_jupyter.widgets.text.texts import Texts, are_alike
 
 _LOOK = 1.0  # s between two comparisons of the file with what was written
@@ -33,6 +33,7 @@ class Saver:
         self.problem = ""  # why the texts cannot be kept at the moment; empty if they are
         self.home = home if kept is None else kept.home  # not that of a program of the same name elsewhere
         self.follows = False  # whether what others write to the file is an edit, once told to `look`
+        self.followed: str | None = None  # the last such text
         self.elsewhere: Callable[[], object] = lambda: None  # keeps every text, too
         self._lock = Lock()  # of the files, and of what follows
         self._stored: object = None
@@ -108,6 +109,8 @@ class Saver:
                 self._notice_hanging()
                 self._save(self.kept)
                 self.problem = ""
+            except OverwritingError:
+                self._looked = float("-inf")  # the next look says by what
             except FileError as error:
                 self._again = self.texts.clock() + _AGAIN
                 if not self.problem:
@@ -140,6 +143,7 @@ class Saver:
         if other is not None and other != texts.accepted:
             if self.follows:
                 texts.follow(other)
+                self.followed = other
             else:
                 texts.ask(Conflict("file", other, kept.shown_file))
             wanted = self._wanted()
