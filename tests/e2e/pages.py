@@ -313,7 +313,9 @@ class LabPage:
 
     def select(self, text):
         """Select a piece of the program, by the editor's own search."""
-        self.find(".cm-content").focus()
+        content = self.find(".cm-content")
+        content.wait_for()  # its tab may come to the front, and what is hidden has no focus
+        content.focus()
         self.page.keyboard.press("Control+f")
         field = self.sees('.cm-search input[name="search"]')
         field.fill(text)

@@ -16,8 +16,15 @@ TABLET = {
 ZERO = '[data-lrp-state="watch/zero"] .lrp-box'
 BAR = ".lrp-splitter-columns:not([hidden])"
 PLAYHEAD = ".lrp-playhead"
-NOTEBOOK = "document.querySelector('.jp-WindowedPanel-outer')"
-SCROLLED = f"{NOTEBOOK}.scrollTop"
+SCROLLED = "document.querySelector('.jp-WindowedPanel-outer').scrollTop"
+SCROLL = f"""async () => {{
+  for (let same = 0, last = 0; same < 10;) {{
+    same = {SCROLLED} >= 55 && {SCROLLED} === last ? same + 1 : 0;
+    if ({SCROLLED} < 55) {SCROLLED} = 80;
+    last = {SCROLLED};
+    await new Promise(requestAnimationFrame);
+  }}
+}}"""  # also where JupyterLab has stayed at the top, or what a finger has pushed moves on
 PLACE_OF = """([line, text]) => {
   const walk = document.createTreeWalker(line, NodeFilter.SHOW_TEXT);
   while (!walk.nextNode().data.includes(text));
@@ -109,12 +116,12 @@ def ask(lab, fingers):
 def scroll_the_notebook(lab, fingers):
     """One finger scrolls over both pictures, unless it has grabbed something."""
     for picture in (".lrp-graph", ".lrp-canvas"):
-        lab.page.evaluate(f"{NOTEBOOK}.scrollTo(0, 80)")  # JupyterLab may have stayed at the top
+        lab.page.evaluate(SCROLL)
         box, before = lab.at_rest(picture), scrolled(lab)
         x, y = box["x"] + 12, box["y"] + box["height"] - 12
         fingers.drag((x, y), (x, y + 80))
         lab.page.wait_for_function(f"before => {SCROLLED} < before - 50", arg=before)
-    lab.page.evaluate(f"{NOTEBOOK}.scrollTo(0, 80)")
+    lab.page.evaluate(SCROLL)
     box, before = lab.at_rest(ZERO), scrolled(lab)
     x, y = middle(box)
     fingers.drag((x, y), (x, y + 40))
