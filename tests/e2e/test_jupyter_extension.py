@@ -25,6 +25,7 @@ WORDS = [
     *("0.2 tok-number", "# a robot's comment tok-comment"),
 ]
 CRASH = "import os; os._exit(1)"
+END = f"{APP}.content.session.session.kernel.requestExecute({{ code: '{CRASH}' }}), 0"
 THEME = "jupyterapp.commands.execute('apputils:change-theme', { theme: 'JupyterLab Dark' })"
 
 
@@ -157,9 +158,7 @@ def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     assert desk.kernels() == [f"{desk.folder.name}/untitled.lrp.lab"]
 
     before = lab.root.element_handle()
-    page.evaluate(
-        f"{APP}.content.session.session.kernel.requestExecute({{ code: 'import os; os._exit(1)' }}), 0"
-    )
+    page.evaluate(END)
     page.wait_for_function("before => !before.isConnected", arg=before)
     lab = LabPage(page).ready("paused")  # it may be what has ended the kernel
     lab.reads(":scope", "and this is a new one.")
@@ -171,6 +170,28 @@ def test_a_new_program_is_its_file_until_its_tab_is_closed(desk):
     desk.command("application:close")
     until(lambda: not desk.kernels(), "the kernel has not ended")
     assert page.locator(".jp-Dialog").count() == 0
+
+
+def test_a_tab_connects_again_that_does_not_hear_its_new_kernel(desk):
+    """As happens where the first connection leads to the ports of the old one."""
+    (desk.folder / "mine.lrp").write_text(PROGRAM)
+    page, opened, deaf = desk.page.context.new_page(), [], []
+
+    def connect(socket):
+        kernel, is_deaf = socket.connect_to_server(), len(opened) in deaf
+        opened.append(kernel)
+        kernel.on_message(lambda message: is_deaf or socket.send(message))
+
+    page.route_web_socket("**/channels?*", connect)
+    page.goto(f"{desk.server.url}/lab?reset")
+    page.wait_for_function("window.jupyterapp?.restored")
+    run(page, "docmanager:open", path=f"{desk.folder.name}/mine.lrp", factory="LRP Lab")
+    LabPage(page).ready()
+    deaf.append(len(opened))  # the next one
+    page.evaluate(END)
+    LabPage(page).ready("paused")
+    assert len(opened) > deaf[0] + 1
+    page.close()
 
 
 def test_a_program_is_edited_in_a_lab_and_in_an_editor_at_once(desk):

@@ -8,6 +8,7 @@ import { Widget } from "@lumino/widgets";
 import { h, prose } from "../ui/dom";
 import { drawn, LabModel, onOpened } from "./widget";
 
+const PATIENCE = 5000; // ms until a kernel that was restarted is connected again, and twice that next time
 const MODULE = "lrp_jupyter.widgets.documents";
 const LACKING =
   "The kernel of this tab has no `lrp_jupyter`. Install it where the kernel runs: `pip install lrp-jupyter`.";
@@ -21,6 +22,7 @@ export abstract class LabTab extends Widget {
   private starting: Promise<void> | null = null;
   private kernel: Kernel.IKernelConnection | null = null;
   private stop: () => void = () => {};
+  private again: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     protected readonly context: DocumentRegistry.Context,
@@ -90,13 +92,37 @@ export abstract class LabTab extends Widget {
       return this.say("This Jupyter has no Python kernel, which a lab needs: `pip install ipykernel`.");
     this.session.kernelPreference = { name, shutdownOnDispose: true };
     this.session.statusChanged.connect((_, status) => {
-      if (status.endsWith("restarting")) this.begin(); // when it is idle, it is new
-      if (status === "idle") void this.fill();
+      if (status.endsWith("restarting")) {
+        this.begin();
+        this.connectAgain(PATIENCE);
+      }
       if (status === "dead") this.say("The kernel ended. Close this tab, and open the file again.");
+    });
+    this.session.connectionStatusChanged.connect((_, status) => {
+      if (status === "connected") this.hear();
     });
     await this.session.initialize();
     await this.session.ready;
     await this.fill();
+  }
+
+  /** Show the lab of a restarted kernel once it is heard: before something is run in it, no status tells. */
+  private hear(): void {
+    const kernel = this.session.session?.kernel;
+    if (!kernel || kernel === this.kernel) return;
+    const asked = kernel.requestKernelInfo();
+    void asked.then(
+      () => this.fill(),
+      () => {}, // it has restarted again
+    );
+  }
+
+  /** Connect until there is a lab: a connection may lead to where the old kernel was, and then says nothing. */
+  private connectAgain(wait: number): void {
+    this.again = setTimeout(() => {
+      this.session.session?.kernel?.reconnect().catch(() => {});
+      this.connectAgain(2 * wait);
+    }, wait);
   }
 
   /** Show the lab of a kernel that is new here. */
@@ -104,6 +130,7 @@ export abstract class LabTab extends Widget {
     const kernel = this.session.session?.kernel;
     if (!kernel || kernel === this.kernel) return;
     this.kernel = kernel;
+    clearTimeout(this.again);
     const received = (content: Record<string, unknown>) => this.received(content);
     onOpened(kernel, (comm, state) => void this.draw(new LabModel(comm, state, received)));
     await this.open();
@@ -116,6 +143,7 @@ export abstract class LabTab extends Widget {
   }
 
   private clear(): void {
+    clearTimeout(this.again);
     this.stop();
     this.stop = () => {};
   }
