@@ -35,17 +35,10 @@ class ProgramFile(Kept):
         """The path of the text as a message shows it."""
         return shown(self.path.name)
 
-    def read(self, ending: str) -> str | None:
-        """Return the text of a file; None if it does not exist or cannot be read."""
+    def read_again(self, ending: str = _TEXT) -> str | None:
+        """Return the text that a file has now, which then still counts as a change."""
         if ending != _TEXT:
-            return super().read(ending)
-        signature, text = self._signature(ending), self.read_again()
-        if text is not None:
-            self._known[ending] = signature, digest(text)
-        return text
-
-    def read_again(self) -> str | None:
-        """Return the text that the file has now, which then still counts as a change."""
+            return super().read_again(ending)
         try:
             return read_text(self.path)
         except LRPError:

@@ -1,6 +1,7 @@
 """The page of a run: ``lrp run --serve`` as a process of its own, and a client that knows WebSockets only."""
 
 import http.client
+import itertools
 import json
 import re
 import signal
@@ -435,6 +436,17 @@ def test_a_save_that_comes_while_the_run_writes_the_file_is_an_edit_like_others(
     program.publish()
     assert [program.look(broken), program.look(broken)] == [True, False], "which is told once"
     assert (program.texts.text, file.read_text()) == (broken, broken)
+
+
+def test_a_text_is_written_also_where_the_times_of_files_change_by_themselves(tmp_path, monkeypatch):
+    """As they do in a browser."""
+    file, typed, number = tmp_path / "my.lrp", COUNT.replace("n + 1", "n + 3"), itertools.count()
+    file.write_text(COUNT)
+    program = ServedProgram(Session(COUNT, NullBridge()), COUNT, file)
+    monkeypatch.setattr(program.file, "_signature", lambda ending: (next(number), 0, 0))
+    program.texts.write(typed)
+    program.publish()
+    assert file.read_text() == typed
 
 
 def test_without_watch_the_pages_ask_before_they_replace_what_another_program_has_written(serve, tmp_path):

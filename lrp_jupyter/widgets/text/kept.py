@@ -115,15 +115,16 @@ class Kept:
 
     def read(self, ending: str) -> str | None:
         """Return the text of a file; None if it does not exist or cannot be read."""
-        if self.folder.is_symlink():
-            return None
-        signature = self._signature(ending)
-        text = read_file(self.file(ending))
+        signature, text = self._signature(ending), self.read_again(ending)
         if text is not None:
             self._known[ending] = signature, digest(text)
         elif signature is not None:
             self._known.pop(ending, None)
         return text
+
+    def read_again(self, ending: str) -> str | None:
+        """Return the text that a file has now, which then still counts as a change."""
+        return None if self.folder.is_symlink() else read_file(self.file(ending))
 
     def write(self, ending: str, text: str) -> None:
         """Write a text to a file, and note that this user wrote it.
@@ -145,7 +146,10 @@ class Kept:
             raise FileError(f"`{shown(self.folder)}` cannot be created: {error.strerror}.") from error
 
         def still_known() -> None:
-            if known is not None and self._signature(ending) not in (None, known[0]):
+            if known is None or self._signature(ending) in (None, known[0]):
+                return
+            text = self.read_again(ending)  # the signature may change without it, as in a browser
+            if text is None or digest(text) != known[1]:
                 raise OverwritingError
 
         status = write_file(self.file(ending), text, still_known)
