@@ -32,11 +32,11 @@ _OPEN_ELSEWHERE = (5, 32)  # what Windows calls it: denied, or shared
 
 
 def write_file(
-    path: str | os.PathLike[str], text: str, last: Callable[[], object] = lambda: None
-) -> os.stat_result:
-    """Write a text to a file, as a whole or not at all; a link is replaced, not followed. Return its status.
+    path: str | os.PathLike[str], text: str, last: Callable[[Path], object] = lambda ready: None
+) -> None:
+    """Write a text to a file, as a whole or not at all; a link is replaced, not followed.
 
-    `last` is called when all is ready; what it raises leaves the file as it is.
+    `last` is called with the path of all that is ready; what it raises leaves the file as it is.
     Raises FileError: it cannot be written; the message gives the reason.
     """
     file = Path(path)
@@ -57,10 +57,8 @@ def write_file(
                 stream.write(data)
             if mode is not None:
                 os.chmod(beside, mode)
-            status = os.lstat(beside)
-            last()
+            last(beside)
             _replace(beside, file)
-            return status
         except BaseException:
             with suppress(OSError):
                 os.unlink(beside)

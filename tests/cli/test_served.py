@@ -439,7 +439,7 @@ def test_a_save_that_comes_while_the_run_writes_the_file_is_an_edit_like_others(
 
 
 def test_a_text_is_written_also_where_the_times_of_files_change_by_themselves(tmp_path, monkeypatch):
-    """As they do in a browser."""
+    """As they do on some shared folders."""
     file, typed, number = tmp_path / "my.lrp", COUNT.replace("n + 1", "n + 3"), itertools.count()
     file.write_text(COUNT)
     program = ServedProgram(Session(COUNT, NullBridge()), COUNT, file)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import json
 import os
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -145,15 +146,21 @@ class Kept:
         except OSError as error:
             raise FileError(f"`{shown(self.folder)}` cannot be created: {error.strerror}.") from error
 
-        def still_known() -> None:
+        signature: _Signature | None = None
+
+        def still_known(ready: Path) -> None:
+            nonlocal signature
+            if sys.platform == "emscripten":  # no other program is there, and each look takes long
+                return
+            signature = _signature_of(os.lstat(ready))
             if known is None or self._signature(ending) in (None, known[0]):
                 return
-            text = self.read_again(ending)  # the signature may change without it, as in a browser
-            if text is None or digest(text) != known[1]:
+            there = self.read_again(ending)  # the signature may change without it
+            if there is None or digest(there) != known[1]:
                 raise OverwritingError
 
-        status = write_file(self.file(ending), text, still_known)
-        self._known[ending] = _signature_of(status), written
+        write_file(self.file(ending), text, still_known)
+        self._known[ending] = signature or self._signature(ending), written
         own.note_own(self.home + ending, written)
 
     def is_own(self, ending: str, text: str) -> bool:
